@@ -1,0 +1,27 @@
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+option(DRUPE_WARNINGS_AS_ERRORS "Stop at the first warning" ON)
+set(DRUPE_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+
+# One binary runs on any x86-64 or arm64, so nothing here names a CPU: vector code chooses its instructions at run
+# time through Highway. -march=native would also change Eigen's alignment against Debian's Ceres and PCL.
+add_compile_options(-Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+if(DRUPE_WARNINGS_AS_ERRORS)
+  add_compile_options(-Werror)
+endif()
+if(DRUPE_SANITIZE)
+  add_compile_options(-fsanitize=${DRUPE_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${DRUPE_SANITIZE})
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
