@@ -15,7 +15,7 @@ namespace drupe {
 ///
 ///   OptionReader reader(json, "options");
 ///   reader.Read("max_features", options.max_features);
-///   if (OptionReader dense = reader.Nested("dense"); dense.present()) ...;
+///   if (const Json* dense = reader.Nested("dense")) ReadDense(*dense, reader.PathOf("dense"), ...);
 ///   DRUPE_RETURN_IF_ERROR(reader.Finish());
 class OptionReader {
  public:
