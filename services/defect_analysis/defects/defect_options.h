@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+
+#include "base/json.h"
+#include "base/status.h"
+
+namespace drupe {
+
+/// Adaptive segmentation of the skin's colour (paper 4.2, "improved adaptive segmentation").
+struct SegmentationOptions {
+  int min_clusters = 2;             ///< fewest colour classes tried; 2..16
+  int max_clusters = 8;             ///< most colour classes tried; the Davies-Bouldin index chooses; 2..16
+  int max_iterations = 30;          ///< of K-means
+  double lightness_weight = 0.5;    ///< of L against a and b, since shading changes L most; 0..1
+  double significance_delta_e = 9;  ///< weighted colour difference from the healthy skin that a defect must reach
+  double significance_sigma = 5;    ///< the same in robust standard deviations of the healthy skin
+
+  Status Check() const;
+};
+
+/// Grouping of defect points into defects (paper 4.2, Figure 12 c).
+struct ClusterOptions {
+  double min_area_mm2 = 0.35;      ///< smaller patches (lenticels, noise) are no defects
+  double min_share = 0.4;          ///< of a patch's points that must be significant
+  double merge_distance_mm = 0.3;  ///< patches of one colour class closer than this are one defect
+  int max_defects = 500;           ///< reported for one fruit at most, largest first
+
+  Status Check() const;
+};
+
+/// RANSAC plane of a defect (paper 4.2 (1)).
+struct PlaneOptions {
+  int iterations = 8;       ///< of RANSAC; 1..10000
+  double distance = 0.007;  ///< inlier distance as a share of the defect's diameter (its largest extent)
+
+  Status Check() const;
+};
+
+/// Contour of a defect (paper 4.2 (2), Figure 13 and Table 5).
+struct ContourOptions {
+  int control_points = 10;    ///< of the closed B-spline; 4..200
+  int degree = 3;             ///< of the B-spline; 1..5
+  int sampling_density = 80;  ///< samples a span between neighbouring knots; 1..1000
+  double level = 0.5;         ///< of the colour transition from skin (0) to defect (1) at which the boundary lies
+
+  Status Check() const;
+};
+
+/// Classes by shape, size and colour.
+struct ClassOptions {
+  double decay_min_area_mm2 = 20.0;    ///< a compact defect larger than this is decay
+  double elongated_min = 2.5;          ///< length / width from which a defect is a scar or a crack
+  double crack_max_width_mm = 0.9;     ///< an elongated defect narrower than this, and dark, is a crack
+  double crack_max_lightness = -12.0;  ///< L of the defect minus L of the skin about it, from which it counts as dark
+
+  Status Check() const;
+};
+
+struct DefectOptions {
+  SegmentationOptions segmentation;
+  ClusterOptions cluster;
+  PlaneOptions plane;
+  ContourOptions contour;
+  ClassOptions classes;
+
+  Status Check() const;
+};
+
+}  // namespace drupe
