@@ -57,6 +57,12 @@ struct FeatureRef {
   bool operator==(const FeatureRef&) const = default;
 };
 
+/// Features of different views that show one surface point.
+struct TrackList {
+  /// Ascending by view within a track, at most one feature a view; tracks ascending by their first feature.
+  std::vector<std::vector<FeatureRef>> tracks;
+};
+
 /// The verified pairs of an image set, ascending by pair.
 struct MatchGraph {
   std::vector<TwoViewMatches> pairs;

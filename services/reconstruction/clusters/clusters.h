@@ -1,0 +1,30 @@
+#pragma once
+
+#include "base/run_context.h"
+#include "base/status.h"
+#include "scene/view_graph.h"
+
+namespace drupe {
+
+/// How a set is divided into overlapping groups of similar pictures (paper 3.1.1, eq. 4).
+struct ClusterOptions {
+  int max_cluster_size = 12;  ///< 3..1000; the paper's upper bound
+  /// 0..1; clusters grow by shared pictures until the share of their pictures that are also in other clusters reaches
+  /// it, as far as max_cluster_size allows (the paper's overlap rate).
+  double min_overlap = 0.7;
+  /// Sets of up to this many pictures are one cluster in which every pair is matched.
+  int exhaustive_max_images = 20;
+  /// 1..100; a picture is also matched with that many most similar pictures outside its clusters, so that rings close.
+  int links_per_image = 4;
+
+  /// 400 `invalid_options` naming the field that is out of its range.
+  Status Check() const;
+};
+
+/// Clusters of similar pictures by normalised cut of the similarity graph (Shi & Malik 2000), joined by shared
+/// pictures, and the pairs to be matched, whose number grows linearly with that of the pictures. Errors: 400
+/// `invalid_options`, 422 `too_few_images` under 2, `cancelled`.
+Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ClusterOptions& options,
+                                 const RunContext& context);
+
+}  // namespace drupe

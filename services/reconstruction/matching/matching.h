@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+
+#include "base/run_context.h"
+#include "base/status.h"
+#include "geometry/pinhole_camera.h"
+#include "scene/features.h"
+#include "scene/view_graph.h"
+
+namespace drupe {
+
+/// How features of two pictures are matched and the matches verified.
+struct MatchingOptions {
+  double max_ratio = 0.7;      ///< 0..1; H of the paper's table 1: nearest distance over second nearest
+  bool calibrated = true;      ///< false: the camera is a guess, so pairs are verified by a fundamental matrix
+  double max_error_px = 1.5;   ///< > 0; largest distance from the epipolar line (Sampson) of an inlier
+  double confidence = 0.9999;  ///< 0..1; RANSAC ends once a better model is less likely than 1 minus this
+  int max_iterations = 2'000;  ///< RANSAC samples per pair
+  int min_inliers = 20;        ///< pairs with fewer verified matches are dropped
+  /// Features of each picture, the coarsest ones, that are compared with all of the other; the rest are matched along
+  /// the epipolar lines these have given. 0: all are compared.
+  int exhaustive_features = 4'000;
+  bool guided = true;              ///< second matching along epipolar lines, over all features
+  double guided_max_ratio = 0.8;   ///< 0..1; as max_ratio, among the candidates near the epipolar line
+  bool drop_static = true;         ///< leave out features of the background that stands still in the picture
+  double static_radius_px = 1.0;   ///< > 0; a static feature is found again within this distance ...
+  double static_min_share = 0.25;  ///< 0..1; ... in at least this share of the other pictures
+
+  /// 400 `invalid_options` naming the field that is out of its range.
+  Status Check() const;
+};
+
+/// Matches every pair of `clusters.pairs` and verifies it: descriptors by ratio and mutual check, then an essential
+/// matrix (or fundamental, when not calibrated) by a locally optimised RANSAC. All pictures share `camera`. Pairs that
+/// fail are left out. Errors: 400 `invalid_options`, 400 `invalid_pair`, `cancelled`.
+Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
+                               const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context);
+
+}  // namespace drupe

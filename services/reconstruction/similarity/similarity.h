@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+
+#include "base/run_context.h"
+#include "base/status.h"
+#include "scene/features.h"
+#include "scene/view_graph.h"
+
+namespace drupe {
+
+/// How the likeness of pictures is measured by Fisher vectors (paper eqs 1-3; Perronnin, Sanchez & Mensink 2010).
+struct SimilarityOptions {
+  int gaussians = 32;                 ///< 1..1024; K of eq. 2
+  int pca_dimensions = 32;            ///< 1..128; descriptors are reduced to this many dimensions first
+  int training_descriptors = 40'000;  ///< >= 1000; drawn evenly from all pictures
+  int em_iterations = 15;             ///< 1..1000
+  int descriptors_per_image = 2'000;  ///< >= 100; the coarsest ones, which are the most repeatable, describe a picture
+
+  /// 400 `invalid_options` naming the field that is out of its range.
+  Status Check() const;
+};
+
+/// The similarity graph of a set of pictures: the distance of every two Fisher vectors, and the weight of the edge
+/// between them (largest distance of all minus theirs). Pictures without features are infinitely unlike: weight 0.
+/// Errors: 400 `invalid_options`, 422 `no_features` when no picture has any, `cancelled`.
+Result<SimilarityGraph> RunSimilarity(std::span<const Features> features, const SimilarityOptions& options,
+                                      const RunContext& context);
+
+}  // namespace drupe
