@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string_view>
+
+#include "base/json.h"
+#include "base/status.h"
+
+namespace drupe {
+
+/// The HTTP status code of a kind of outcome: the only place where one becomes the other. kOk gives 200.
+int HttpStatusOf(StatusKind kind);
+
+/// The kind that a reply's status code means to a client of another service; 2xx gives kOk, codes without a kind of
+/// their own give kInvalidArgument (4xx) or kInternal (the rest).
+StatusKind KindOfHttpStatus(int http_status);
+
+/// {"error": {"code", "message", "field"}}; `field` only when there is one.
+Json ErrorBody(const Status& status);
+
+}  // namespace drupe
