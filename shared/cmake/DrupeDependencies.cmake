@@ -15,6 +15,8 @@ find_package(GTest REQUIRED)
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(ARAVIS REQUIRED IMPORTED_TARGET aravis-0.8)
+find_package(PNG REQUIRED)
+find_package(TIFF REQUIRED)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(PROMETHEUS REQUIRED IMPORTED_TARGET prometheus-cpp-core)
 # PCL by component: find_package(PCL) would load VTK and Qt, which nothing here uses.
