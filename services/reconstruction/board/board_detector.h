@@ -12,8 +12,8 @@ namespace drupe {
 /// How the markers of the board are looked for.
 struct BoardDetectorOptions {
   /// Width in pixels of the reduced picture in which markers are searched; corners are always measured at full
-  /// resolution. Wider pictures are halved until they are no wider than this.
-  int search_width_px = 1920;
+  /// resolution. Wider pictures are reduced by the smallest whole factor that makes them no wider.
+  int search_width_px = 1280;
   /// Smallest side of a marker in the reduced picture, pixels.
   double min_marker_side_px = 12.0;
   /// A marker is dropped when one of its corners lies farther than this from where the board's homography puts it, in
