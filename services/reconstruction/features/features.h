@@ -20,7 +20,7 @@ struct FeatureOptions {
   int max_octaves = 8;        ///< 1..16; fewer when the picture is exhausted before
   int scales_per_octave = 3;  ///< 1..5; levels per doubling of scale at which extrema are sought
   double base_sigma = 1.6;    ///< 1.2..2.4, pixels of the octave; blur of each octave's first level
-  double input_sigma = 0.5;   ///< 0..1, pixels; blur the camera is assumed to have left
+  double input_sigma = 0.5;   ///< 0..0.6, pixels; blur the camera is assumed to have left
   /// Least |difference of Gaussians| of an extremum, grey values being 0..1, times scales_per_octave. Lowe: 0.04. The
   /// skin of a fruit is weakly textured, hence lower; max_features bounds what noise would bring.
   double peak_threshold = 0.012;
