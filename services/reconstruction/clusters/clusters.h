@@ -7,7 +7,7 @@
 namespace drupe {
 
 /// How a set is divided into overlapping groups of similar pictures (paper 3.1.1, eq. 4).
-struct ClusterOptions {
+struct ViewClusterOptions {
   int max_cluster_size = 12;  ///< 3..1000; the paper's upper bound
   /// 0..1; clusters grow by shared pictures until the share of their pictures that are also in other clusters reaches
   /// it, as far as max_cluster_size allows (the paper's overlap rate).
@@ -24,7 +24,7 @@ struct ClusterOptions {
 /// Clusters of similar pictures by normalised cut of the similarity graph (Shi & Malik 2000), joined by shared
 /// pictures, and the pairs to be matched, whose number grows linearly with that of the pictures. Errors: 400
 /// `invalid_options`, 422 `too_few_images` under 2, `cancelled`.
-Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ClusterOptions& options,
+Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ViewClusterOptions& options,
                                  const RunContext& context);
 
 }  // namespace drupe

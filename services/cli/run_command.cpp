@@ -1,0 +1,219 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/digest.h"
+#include "base/files.h"
+#include "base/ids.h"
+#include "base/json.h"
+#include "base/version.h"
+#include "cli/commands.h"
+#include "cli/image_directory.h"
+#include "cli/progress_bar.h"
+#include "cli/report_table.h"
+#include "defect_analysis/pipeline.h"
+#include "reconstruction/pipeline.h"
+
+namespace drupe {
+
+namespace {
+
+constexpr std::size_t kMaxJsonFileBytes = 8 << 20;
+
+/// What the user wrote after `drupe run`.
+struct RunArguments {
+  std::string images;
+  std::string calibration;
+  std::string board;
+  std::string out;
+  std::string options;
+  std::string analysis_options;
+  int threads = 0;
+  std::uint64_t seed = 1;
+  bool no_analysis = false;
+};
+
+/// A JSON option: a file's name, or the JSON itself when it begins with a brace. Empty: null.
+Result<Json> LoadJson(const std::string& argument) {
+  if (argument.empty()) return Json(nullptr);
+  if (argument.front() == '{') return ParseJson(argument);
+  DRUPE_ASSIGN_OR_RETURN(const std::string text, ReadFile(argument, kMaxJsonFileBytes));
+  Result<Json> json = ParseJson(text, {.max_bytes = kMaxJsonFileBytes});
+  if (json.ok()) return json;
+  return Status(json.status().kind(), json.status().code(), argument + ": " + json.status().message());
+}
+
+Result<std::optional<Board>> LoadBoard(const std::string& argument) {
+  if (argument.empty()) return std::optional<Board>();
+  if (argument == "default") return std::optional<Board>(MakeGridBoard());
+  DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJson(argument));
+  DRUPE_ASSIGN_OR_RETURN(Board board, ParseBoard(json));
+  return std::optional<Board>(std::move(board));
+}
+
+Result<ReconstructionInput> LoadInput(const RunArguments& arguments) {
+  ReconstructionInput input;
+  DRUPE_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> paths, ListImages(arguments.images, input.limits));
+  for (const std::filesystem::path& path : paths) {
+    const std::size_t max_bytes = input.limits.max_image_bytes;
+    input.images.push_back({path.filename().string(), [path, max_bytes] { return ReadFile(path, max_bytes); }});
+  }
+  if (!arguments.calibration.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJson(arguments.calibration));
+    DRUPE_ASSIGN_OR_RETURN(input.calibration, ParseCalibration(json));
+  }
+  DRUPE_ASSIGN_OR_RETURN(input.board, LoadBoard(arguments.board));
+  return input;
+}
+
+Provenance MakeProvenance(const ReconstructionInput& input, const Json& options) {
+  Provenance provenance;
+  for (const SourceImage& image : input.images) {
+    const Result<std::string> bytes = image.read();
+    provenance.image_sha256.push_back(bytes.ok() ? Sha256Hex(*bytes) : "");
+  }
+  provenance.calibration = input.calibration ? ToJson(*input.calibration) : Json(nullptr);
+  provenance.options = options;
+  provenance.build = kVersion;
+  return provenance;
+}
+
+Json StageSeconds(const Timings& timings) {
+  Json seconds = Json::object();
+  for (const StageTiming& stage : timings.stages) seconds[stage.name] = stage.wall_s;
+  return seconds;
+}
+
+/// Everything that the arguments name, read and checked before any work begins.
+struct RunRequest {
+  ReconstructionInput input;
+  ReconstructionOptions options;
+  AnalysisOptions analysis_options;
+};
+
+Result<RunRequest> LoadRequest(const RunArguments& arguments) {
+  RunRequest request;
+  DRUPE_ASSIGN_OR_RETURN(request.input, LoadInput(arguments));
+  DRUPE_ASSIGN_OR_RETURN(const Json options, LoadJson(arguments.options));
+  DRUPE_ASSIGN_OR_RETURN(request.options, ParseReconstructionOptions(options));
+  DRUPE_ASSIGN_OR_RETURN(const Json analysis_options, LoadJson(arguments.analysis_options));
+  DRUPE_ASSIGN_OR_RETURN(request.analysis_options, ParseAnalysisOptions(analysis_options));
+  std::error_code error;
+  std::filesystem::create_directories(arguments.out, error);
+  if (error) return InvalidArgument("bad_output", "cannot create " + arguments.out + ": " + error.message(), "--out");
+  return request;
+}
+
+/// Analyses the cloud, times it and completes the report with what only the caller knows.
+Result<Report> Analyse(const RunRequest& request, ReconstructionOutput& output, const RunContext& context) {
+  AnalysisInput analysis;
+  analysis.cloud = output.cloud;
+  analysis.scale_source = output.model.scale_source;
+  analysis.board = request.input.board;
+  for (const View& view : output.model.views) {
+    if (view.cam_from_world) analysis.camera_centres.push_back(view.cam_from_world->Centre());
+  }
+  const Stopwatch watch;
+  DRUPE_ASSIGN_OR_RETURN(Report report, RunAnalysis(analysis, request.analysis_options, context));
+  output.timings.Add("analysis", watch);
+  output.timings.analysis_cpu_s = watch.CpuSeconds();
+  output.timings.analysis_wall_s = watch.WallSeconds();
+  report.created_at = FormatUtc(Clock::System().NowMs());
+  report.quality = QualityJson(output);
+  report.provenance = MakeProvenance(
+      request.input, {{"reconstruction", ToJson(request.options)}, {"analysis", ToJson(request.analysis_options)}});
+  report.timings_s = StageSeconds(output.timings);
+  report.id = NewId("rec");
+  return report;
+}
+
+Status WriteResults(const std::string& directory, const ReconstructionOutput& output,
+                    const std::optional<Report>& report) {
+  using Files = std::map<std::string, std::string>;
+  DRUPE_ASSIGN_OR_RETURN(Files files, MakeArtifacts(output));
+  if (report) {
+    files["report.json"] = DumpJson(ToJson(*report), 1);
+    files["report.csv"] = ToCsv(*report);
+  }
+  for (const auto& [name, content] : files) {
+    DRUPE_RETURN_IF_ERROR(WriteFileAtomically(std::filesystem::path(directory) / name, content));
+  }
+  return Status::Ok();
+}
+
+void PrintSummary(const ReconstructionOutput& output, std::size_t image_count, const std::optional<Report>& report) {
+  std::printf("Registered %d of %zu pictures; %zu sparse and %zu dense points; %.1f s, %.0f MB.\n",
+              output.model.RegisteredCount(), image_count, output.model.tracks.size(), output.cloud.size(),
+              output.timings.total_wall_s, output.timings.peak_mb);
+  for (const RefusedImage& refused : output.refused) {
+    std::printf("Left out %s: %s\n", refused.name.c_str(), refused.status.message().c_str());
+  }
+  for (const View& view : output.model.views) {
+    if (!view.cam_from_world) std::printf("Not registered %s: %s\n", view.image.c_str(), view.reason.c_str());
+  }
+  if (report) std::fputs(ReportTable(*report).c_str(), stdout);
+}
+
+Status Run(const RunArguments& arguments) {
+  const Stopwatch total;
+  DRUPE_ASSIGN_OR_RETURN(const RunRequest request, LoadRequest(arguments));
+  ProgressBar bar(std::cerr);
+  RunContext context;
+  context.threads = arguments.threads;
+  context.seed = arguments.seed;
+  context.progress = [&bar](std::string_view stage, double fraction) { bar.Update(stage, fraction); };
+  DRUPE_ASSIGN_OR_RETURN(ReconstructionOutput output, RunReconstruction(request.input, request.options, context));
+  std::optional<Report> report;
+  if (request.options.run_dense && !arguments.no_analysis) {
+    DRUPE_ASSIGN_OR_RETURN(report, Analyse(request, output, context));
+  }
+  bar.Finish();
+  output.timings.total_wall_s = total.WallSeconds();
+  output.timings.peak_mb = ProcessPeakMb();
+  DRUPE_RETURN_IF_ERROR(WriteResults(arguments.out, output, report));
+  PrintSummary(output, request.input.images.size(), report);
+  std::printf("Written to %s\n", arguments.out.c_str());
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "From a directory of turntable pictures to the defect report");
+  command
+      ->add_option("IMAGES_DIR", arguments->images,
+                   "Pictures of one turn (JPEG, PNG or TIFF), in the order of their names")
+      ->required();
+  command->add_option("--calibration", arguments->calibration,
+                      "calibration.json of the camera; without it the focal length is estimated");
+  command->add_option("--board", arguments->board,
+                      "board.json of the markers on the turntable, or 'default' for the 9 x 9 board that `drupe board` "
+                      "prints; without it nothing is in millimetres");
+  command
+      ->add_option(
+          "--out", arguments->out,
+          "Directory for cameras.json sparse.ply dense.ply colmap.zip model.nvm report.json report.csv timings.json")
+      ->required();
+  command->add_option("--options", arguments->options,
+                      "Options of the reconstruction: a JSON file, or JSON such as '{\"dense\": {\"level\": 1}}'");
+  command->add_option("--analysis-options", arguments->analysis_options, "Options of the defect analysis, likewise");
+  command->add_option("--threads", arguments->threads, "Threads; 0: one a core. The result does not depend on it")
+      ->check(CLI::Range(0, 1024));
+  command->add_option("--seed", arguments->seed, "Seed of the random choices");
+  command->add_flag("--no-analysis", arguments->no_analysis, "Stop after the dense cloud");
+  command->callback([arguments, &exit_code] {
+    const Status status = Run(*arguments);
+    if (status.ok()) return;
+    std::cerr << "drupe run: " << status.ToString() << "\n";
+    exit_code = 1;
+  });
+}
+
+}  // namespace drupe
