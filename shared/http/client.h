@@ -35,10 +35,11 @@ class Client {
   Result<Reply> Get(const std::string& path) const;
   /// `idempotency_key` is sent as Idempotency-Key unless empty.
   Result<Reply> Post(const std::string& path, const Json& body, const std::string& idempotency_key = "") const;
-  /// Sends bytes piece-free (PUT of one image).
+  /// Sends bytes as they are, such as an image.
   Result<Reply> Put(const std::string& path, const std::string& bytes, const std::string& content_type) const;
 
-  /// Streams a reply's body to `sink`, which returns false to stop. Errors as above, and 413 `reply_too_large`.
+  /// Streams a reply's body to `sink`, which returns false to stop: the `cancelled` Status. Errors as above, and 413
+  /// `reply_too_large`.
   Status Download(const std::string& path, std::uint64_t max_bytes,
                   const std::function<bool(std::string_view)>& sink) const;
 

@@ -53,12 +53,14 @@ class MultipartParser {
   Status EndBoundaryLine(bool& progressed);
   Status TakeHeaders(bool& progressed);
   Status TakeBody(bool& progressed);
+  Status PassOn(std::size_t count);
 
   const std::string delimiter_;  ///< CR LF "--" boundary
   const MultipartLimits limits_;
   PartSink& sink_;
   State state_ = State::kPreamble;
-  std::string pending_;  ///< bytes not consumed yet; bounded by the header limit and the delimiter
+  std::string pending_;         ///< bytes not consumed yet; bounded by the header limit and the delimiter
+  std::size_t lead_bytes_ = 0;  ///< of the CR LF that ended the part's headers, how much is still pending
   int parts_ = 0;
 };
 

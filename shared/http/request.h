@@ -23,7 +23,7 @@ class BodyReader {
   /// Bytes not read yet.
   virtual std::uint64_t remaining() const = 0;
   /// Reads at least one byte, at most buffer.size(); 0 at the end of the body. Errors: 400 `body_incomplete` when the
-  /// client went away, 408 kind kInvalidArgument `body_too_slow` when it sends slower than the server's limit.
+  /// client went away, 408 `request_timeout` when it sends slower than the server's limit.
   virtual Result<std::size_t> Read(std::span<char> buffer) = 0;
 };
 

@@ -7,8 +7,9 @@
 
 namespace drupe {
 
-/// The HTTP status code of a kind of outcome: the only place where one becomes the other. kOk gives 200.
-int HttpStatusOf(StatusKind kind);
+/// The HTTP status code of an outcome: the only place where one becomes the other. The kind decides, except for the few
+/// codes that only the protocol knows (`method_not_allowed` 405, `request_timeout` 408, ...). OK gives 200.
+int HttpStatusOf(const Status& status);
 
 /// The kind that a reply's status code means to a client of another service; 2xx gives kOk, codes without a kind of
 /// their own give kInvalidArgument (4xx) or kInternal (the rest).

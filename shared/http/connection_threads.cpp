@@ -1,0 +1,59 @@
+#include "http/connection_threads.h"
+
+namespace drupe {
+
+namespace {
+
+thread_local bool refusing = false;
+
+}  // namespace
+
+ConnectionThreads::ConnectionThreads(int count) {
+  for (int i = 0; i < count; ++i) threads_.emplace_back([this] { Work(); });
+}
+
+bool ConnectionThreads::Refusing() {
+  return refusing;
+}
+
+void ConnectionThreads::enqueue(std::function<void()> serve) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (busy_ < static_cast<int>(threads_.size())) {
+      ++busy_;
+      waiting_.push_back(std::move(serve));
+      changed_.notify_one();
+      return;
+    }
+  }
+  refusing = true;
+  serve();
+  refusing = false;
+}
+
+void ConnectionThreads::shutdown() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void ConnectionThreads::Work() {
+  while (true) {
+    std::function<void()> serve;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return stopping_ || !waiting_.empty(); });
+      if (waiting_.empty()) return;
+      serve = std::move(waiting_.front());
+      waiting_.pop_front();
+    }
+    serve();
+    const std::lock_guard lock(mutex_);
+    --busy_;
+  }
+}
+
+}  // namespace drupe

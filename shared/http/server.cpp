@@ -1,0 +1,354 @@
+#include "http/server.h"
+
+#include <fcntl.h>
+#include <httplib.h>
+#include <netinet/tcp.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <optional>
+
+#include "base/clock.h"
+#include "base/ids.h"
+#include "base/log.h"
+#include "http/admission.h"
+#include "http/connection.h"
+#include "http/connection_threads.h"
+#include "http/reply_writer.h"
+#include "http/request_head.h"
+
+namespace drupe {
+
+namespace {
+
+constexpr int kBacklog = 256;  ///< the library compiles 5 in
+constexpr std::chrono::milliseconds kReservedHeadTimeout{2'000};
+
+Status Full(std::string_view what) {
+  return Status(StatusKind::kUnavailable, "server_busy", std::string(what) + "; try again later");
+}
+
+/// What the library sees of a connection: the head that the fence made, then nothing; and the way back.
+class ReplyStream : public httplib::Stream {
+ public:
+  ReplyStream(Connection& connection, std::string head) : connection_(connection), head_(std::move(head)) {}
+
+  bool is_readable() const override { return position_ < head_.size(); }
+  bool is_writable() const override { return !failed_; }
+  ssize_t read(char* to, std::size_t size) override {
+    const std::size_t count = std::min(size, head_.size() - position_);
+    std::memcpy(to, head_.data() + position_, count);
+    position_ += count;
+    return static_cast<ssize_t>(count);
+  }
+  ssize_t write(const char* bytes, std::size_t size) override {
+    failed_ = failed_ || !connection_.Write({bytes, size});
+    return failed_ ? -1 : static_cast<ssize_t>(size);
+  }
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return 0; }  // never used: the library would select() on it
+  bool failed() const { return failed_; }
+
+ private:
+  Connection& connection_;
+  const std::string head_;
+  std::size_t position_ = 0;
+  bool failed_ = false;
+};
+
+/// A request between its head and the end of its reply.
+struct Exchange {
+  Connection* connection = nullptr;
+  Result<RequestHead> head;
+  bool reserved_only = false;  ///< the connection stands on a reserved place
+  bool refuse = false;         ///< there is no place at all
+  bool keep_alive = true;
+  bool is_event_stream = false;
+};
+
+/// The exchange that this thread is answering: the library's handlers have no other way to know.
+thread_local Exchange* current = nullptr;
+
+}  // namespace
+
+class Server::Impl : public httplib::Server {
+ public:
+  Impl(const ServerOptions& options, Metrics* metrics) : options_(options), metrics_(metrics) {
+    new_task_queue = [this] { return new ConnectionThreads(options_.max_connections + options_.reserved_connections); };
+    set_keep_alive_max_count(static_cast<std::size_t>(options_.max_requests_per_connection));
+    set_keep_alive_timeout(std::chrono::duration_cast<std::chrono::seconds>(options_.keep_alive_timeout).count());
+    // Only SO_REUSEADDR: with the library's SO_REUSEPORT a second server would silently share the port.
+    set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    });
+    set_pre_routing_handler([this](const httplib::Request&, httplib::Response& reply) {
+      Answer(*current, reply);
+      return HandlerResponse::Handled;
+    });
+    set_post_routing_handler([](const httplib::Request&, httplib::Response& reply) { FixHeaders(*current, reply); });
+  }
+
+  Status Listen();
+  Status Accept();
+  void StopAccepting();
+
+  Router router;
+  std::atomic<int> port{0};
+  std::atomic<bool> stopping{false};
+
+ private:
+  bool process_and_close_socket(socket_t socket) override;
+  void ServeConnection(Connection& connection, bool reserved_only);
+  bool ServeRequest(Connection& connection, bool reserved_only, bool may_continue);
+  void Refuse(Connection& connection);
+  bool Exchanged(Exchange& exchange);
+  void Answer(Exchange& exchange, httplib::Response& reply);
+  Response Dispatch(Exchange& exchange, Request& request);
+  Status Admit(const Router::Route& route, const Exchange& exchange) const;
+  Response Run(const Router::Route& route, Exchange& exchange, const Request& request);
+  void HoldEventStream(Response& response);
+  void Record(const Request& request, const Response& response, const Stopwatch& watch) const;
+  static void FixHeaders(const Exchange& exchange, httplib::Response& reply);
+  bool IsCrowded() const { return connections_ > options_.max_connections / 2; }
+
+  const ServerOptions options_;
+  Metrics* const metrics_;
+  std::atomic<int> connections_{0};
+  std::atomic<int> uploads_{0};
+  std::atomic<int> event_streams_{0};
+};
+
+Status Server::Impl::Listen() {
+  errno = 0;
+  if (options_.port == 0) {
+    port = bind_to_any_port(options_.host);
+  } else {
+    port = bind_to_port(options_.host, options_.port) ? options_.port : -1;
+  }
+  const std::string address = options_.host + ":" + std::to_string(options_.port);
+  if (port <= 0) {
+    if (errno == EADDRINUSE) {
+      return Status(StatusKind::kConflict, "port_in_use", address + " is taken; is this service running already?");
+    }
+    return Internal("bind_failed", "cannot listen on " + address + ": " + std::strerror(errno));
+  }
+  ::listen(svr_sock_, kBacklog);
+  return Status::Ok();
+}
+
+Status Server::Impl::Accept() {
+  // The library's loop ends with false when its socket is shut down, which is how StopAccepting ends it.
+  listen_after_bind();
+  if (stopping) return Status::Ok();
+  return Internal("listen_failed", std::string("accepting connections failed: ") + std::strerror(errno));
+}
+
+/// The library's own stop() would cut replies that are being sent, so only the listening socket is shut down; the
+/// accept loop then ends and waits for the connections.
+void Server::Impl::StopAccepting() {
+  if (!stopping.exchange(true)) ::shutdown(svr_sock_, SHUT_RDWR);
+}
+
+bool Server::Impl::process_and_close_socket(socket_t socket) {
+  ::fcntl(socket, F_SETFD, FD_CLOEXEC);
+  const int yes = 1;
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+  Connection connection(socket, options_);
+  if (ConnectionThreads::Refusing()) {
+    Refuse(connection);
+    return true;
+  }
+  const bool reserved_only = connections_.fetch_add(1) >= options_.max_connections;
+  ServeConnection(connection, reserved_only);
+  connections_.fetch_sub(1);
+  return true;
+}
+
+void Server::Impl::ServeConnection(Connection& connection, bool reserved_only) {
+  const auto give_up = [&] { return stopping || IsCrowded(); };
+  std::chrono::milliseconds idle = reserved_only ? kReservedHeadTimeout : options_.head_timeout;
+  const int requests = reserved_only ? 1 : options_.max_requests_per_connection;
+  for (int i = 0; i < requests; ++i) {
+    if (!connection.WaitForRequest(idle, i == 0 ? [] { return false; } : std::function<bool()>(give_up))) return;
+    if (!ServeRequest(connection, reserved_only, i + 1 < requests)) break;
+    idle = options_.keep_alive_timeout;
+  }
+  connection.LingeringClose();
+}
+
+/// Reads and answers one request. False: the connection is to be closed.
+bool Server::Impl::ServeRequest(Connection& connection, bool reserved_only, bool may_continue) {
+  const Result<std::string> text = connection.ReadHead();
+  if (!text.ok() && text.status().code() == "body_incomplete") return false;
+  const HeadLimits limits{options_.max_target_bytes, options_.max_headers};
+  Exchange exchange{&connection, text.ok() ? ParseRequestHead(*text, limits) : Result<RequestHead>(text.status())};
+  exchange.reserved_only = reserved_only;
+  exchange.keep_alive = exchange.head.ok() && exchange.head->keep_alive && may_continue;
+  return Exchanged(exchange);
+}
+
+/// Tells a connection beyond every limit to come back later, without waiting for what it has to say.
+void Server::Impl::Refuse(Connection& connection) {
+  Exchange exchange{&connection, Full("every connection is taken")};
+  exchange.refuse = true;
+  Exchanged(exchange);
+}
+
+/// Has the library write the reply to one exchange. It is shown a bare request line instead of the client's head.
+bool Server::Impl::Exchanged(Exchange& exchange) {
+  const bool is_head = exchange.head.ok() && exchange.head->method == "HEAD";
+  if (exchange.head.ok()) {
+    exchange.connection->StartBody(exchange.head->content_length, exchange.head->expects_continue);
+  }
+  ReplyStream stream(*exchange.connection, std::string(is_head ? "HEAD" : "GET") + " / HTTP/1.1\r\n\r\n");
+  bool closed = false;
+  current = &exchange;
+  const bool written = process_request(stream, false, closed, nullptr);
+  current = nullptr;
+  return written && !stream.failed() && exchange.keep_alive;
+}
+
+void Server::Impl::Answer(Exchange& exchange, httplib::Response& reply) {
+  const Stopwatch watch;
+  Request request;
+  request.id = NewId("req");
+  request.body = exchange.connection;
+  Response response = Dispatch(exchange, request);
+  if (exchange.connection->remaining() > 0 || IsCrowded() || stopping) exchange.keep_alive = false;
+  response.SetHeader("X-Request-Id", request.id);
+  Record(request, response, watch);
+  FillReply(std::move(response), *exchange.connection, stopping, reply);
+}
+
+Response Server::Impl::Dispatch(Exchange& exchange, Request& request) {
+  Response response;
+  if (!exchange.head.ok()) {
+    response.SetError(exchange.head.status());
+    return response;
+  }
+  RequestHead& head = *exchange.head;
+  request.method = head.method == "HEAD" ? "GET" : head.method;
+  request.path = head.path;
+  request.remote_address = exchange.connection->RemoteAddress();
+  std::string allowed;
+  const Result<const Router::Route*> route = router.Find(head.method, head.path, request, allowed);
+  Result<std::map<std::string, std::string, std::less<>>> query = ParseQuery(head.query);
+  request.headers = std::move(head.headers);
+  const Status refusal = !route.ok() ? route.status() : !query.ok() ? query.status() : Admit(**route, exchange);
+  if (!refusal.ok()) {
+    response.SetError(refusal);
+    if (!allowed.empty()) response.SetHeader("Allow", allowed);
+    return response;
+  }
+  request.query = std::move(*query);
+  return Run(**route, exchange, request);
+}
+
+Status Server::Impl::Admit(const Router::Route& route, const Exchange& exchange) const {
+  if (exchange.reserved_only && !route.options.reserved) return Full("every connection is taken");
+  const std::uint64_t limit = std::min(route.options.max_body_bytes, options_.max_body_bytes);
+  if (exchange.head->content_length <= limit) return Status::Ok();
+  return Status(StatusKind::kTooLarge, "body_too_large",
+                "the body has " + std::to_string(exchange.head->content_length) + " bytes; the limit here is " +
+                    std::to_string(limit),
+                "Content-Length");
+}
+
+Response Server::Impl::Run(const Router::Route& route, Exchange& exchange, const Request& request) {
+  Response response;
+  std::optional<Admission> upload;
+  if (route.options.upload) upload.emplace(uploads_, options_.max_concurrent_uploads);
+  if (upload && !upload->admitted()) {
+    response.SetError(Full("too many uploads are under way"));
+    return response;
+  }
+  try {
+    route.handler(request, response);
+  } catch (const std::exception& error) {
+    Log(LogLevel::kError, "a handler threw",
+        {{"request", request.id}, {"route", request.route}, {"what", error.what()}});
+    response.SetError(Internal("internal", "the server failed on this request; its log names request " + request.id));
+  }
+  if (response.events) HoldEventStream(response);
+  exchange.is_event_stream = static_cast<bool>(response.events);
+  return response;
+}
+
+/// Lets the stream hold one of the limited places for as long as it is produced.
+void Server::Impl::HoldEventStream(Response& response) {
+  auto place = std::make_shared<Admission>(event_streams_, options_.max_event_streams);
+  if (!place->admitted()) {
+    response.SetError(Full("too many event streams are open"));
+    return;
+  }
+  response.events = [place, producer = std::move(response.events)](EventSink& sink) { return producer(sink); };
+}
+
+void Server::Impl::Record(const Request& request, const Response& response, const Stopwatch& watch) const {
+  const std::string route = request.route.empty() ? "none" : request.route;
+  const std::string method = request.route.empty() ? "none" : request.method;
+  const LogLevel level = response.status >= 500 && response.status != 503 ? LogLevel::kWarning : LogLevel::kDebug;
+  Log(level, "request",
+      {{"request", request.id},
+       {"method", method},
+       {"path", request.path},
+       {"status", response.status},
+       {"from", request.remote_address},
+       {"wall_s", watch.WallSeconds()}});
+  if (metrics_ == nullptr) return;
+  metrics_->Count("drupe_http_requests_total", "Requests answered.",
+                  {{"method", method}, {"route", route}, {"status", std::to_string(response.status)}});
+  metrics_->ObserveSeconds("drupe_http_request_seconds", "From a request's head to the start of its reply.",
+                           {{"method", method}, {"route", route}}, watch.WallSeconds());
+}
+
+/// The library decides on Connection before the handler has run; here the last word is known.
+void Server::Impl::FixHeaders(const Exchange& exchange, httplib::Response& reply) {
+  if (!exchange.keep_alive) {
+    reply.headers.erase("Keep-Alive");
+    reply.headers.erase("Connection");
+    reply.set_header("Connection", "close");
+  }
+  if (reply.status == 304 || reply.status == 204) reply.headers.erase("Content-Length");
+}
+
+Status ServerOptions::Check() const {
+  const auto check = [](bool good, const char* name, const char* allowed) {
+    return good ? Status::Ok() : InvalidArgument("invalid_option", std::string(name) + " must be " + allowed, name);
+  };
+  DRUPE_RETURN_IF_ERROR(check(port >= 0 && port <= 65535, "port", "0 to 65535"));
+  DRUPE_RETURN_IF_ERROR(check(!host.empty(), "host", "an address"));
+  DRUPE_RETURN_IF_ERROR(check(max_connections >= 1 && max_connections <= 4096, "max_connections", "1 to 4096"));
+  DRUPE_RETURN_IF_ERROR(
+      check(reserved_connections >= 0 && reserved_connections <= 256, "reserved_connections", "0 to 256"));
+  DRUPE_RETURN_IF_ERROR(check(max_concurrent_uploads >= 1, "max_concurrent_uploads", "at least 1"));
+  DRUPE_RETURN_IF_ERROR(check(min_body_bytes_per_s >= 1, "min_body_bytes_per_s", "at least 1"));
+  return check(max_requests_per_connection >= 1, "max_requests_per_connection", "at least 1");
+}
+
+Server::Server(ServerOptions options, Metrics* metrics) : impl_(std::make_unique<Impl>(options, metrics)) {}
+Server::~Server() = default;
+Router& Server::router() {
+  return impl_->router;
+}
+Status Server::Bind() {
+  return impl_->Listen();
+}
+int Server::port() const {
+  return impl_->port;
+}
+Status Server::Serve() {
+  return impl_->Accept();
+}
+void Server::Stop() {
+  impl_->StopAccepting();
+}
+bool Server::stopping() const {
+  return impl_->stopping;
+}
+
+}  // namespace drupe

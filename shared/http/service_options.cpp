@@ -1,0 +1,106 @@
+#include "http/service_options.h"
+
+#include <cctype>
+#include <map>
+
+#include "base/files.h"
+
+namespace drupe {
+
+namespace {
+
+constexpr std::size_t kMaxConfigBytes = 1 << 20;
+
+const std::map<std::string, Role> kRoles = {{"api", Role::kApi}, {"worker", Role::kWorker}, {"both", Role::kBoth}};
+const std::map<std::string, LogLevel> kLevels = {{"debug", LogLevel::kDebug},
+                                                 {"info", LogLevel::kInfo},
+                                                 {"warning", LogLevel::kWarning},
+                                                 {"error", LogLevel::kError}};
+
+/// An option in units of 2^20 bytes for a limit kept in bytes.
+template <typename T>
+void AddMegabytes(CLI::App& app, const std::string& flag, T& bytes, const std::string& help) {
+  app.add_option_function<double>(
+         flag, [&bytes](const double& megabytes) { bytes = static_cast<T>(megabytes * (1 << 20)); }, help)
+      ->check(CLI::Range(0.001, 1e6))
+      ->default_str(std::to_string(bytes >> 20))
+      ->envname(EnvironmentName(flag));
+}
+
+void AddLimits(CLI::App& app, ServiceOptions& options) {
+  AddMegabytes(app, "--max-request-mb", options.limits.max_request_bytes, "largest request body");
+  AddMegabytes(app, "--max-image-mb", options.limits.max_image_bytes, "largest image file");
+  const auto add = [&](const std::string& flag, int& value, int low, int high, const std::string& help) {
+    app.add_option(flag, value, help)
+        ->check(CLI::Range(low, high))
+        ->capture_default_str()
+        ->envname(EnvironmentName(flag));
+  };
+  add("--max-images", options.limits.max_images, 3, 100'000, "most images of a set");
+  add("--max-uploads", options.limits.max_concurrent_uploads, 1, 1024, "most uploads at once");
+  add("--max-connections", options.server.max_connections, 1, 4096, "most connections served at once");
+}
+
+/// A configuration value as the command line would have it.
+Result<std::string> ConfigText(const std::string& key, const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean() || value.is_number()) return DumpJson(value);
+  return InvalidArgument("invalid_config", "the configuration's \"" + key + "\" must be text, a number or a boolean",
+                         key);
+}
+
+Status ApplyConfigValue(CLI::App& app, const std::string& key, const Json& value) {
+  std::string flag = "--" + key;
+  for (char& c : flag) c = c == '_' ? '-' : c;
+  CLI::Option* const option = app.get_option_no_throw(flag);
+  if (option == nullptr || flag == "--config" || flag == "--help" || flag == "--version") {
+    return InvalidArgument("invalid_config", "the configuration's \"" + key + "\" is not an option", key);
+  }
+  if (option->count() > 0) return Status::Ok();
+  DRUPE_ASSIGN_OR_RETURN(const std::string text, ConfigText(key, value));
+  option->add_result(text);
+  option->run_callback();
+  return Status::Ok();
+}
+
+}  // namespace
+
+std::string EnvironmentName(const std::string& flag) {
+  std::string name = "DRUPE_";
+  for (const char c : flag.substr(2)) {
+    name.push_back(c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c))));
+  }
+  return name;
+}
+
+void AddServiceOptions(CLI::App& app, ServiceOptions& options) {
+  app.add_option("--data", options.data, "directory for the job database and the objects")
+      ->capture_default_str()
+      ->envname("DRUPE_DATA");
+  app.add_option("--host", options.server.host, "address to listen on")->capture_default_str()->envname("DRUPE_HOST");
+  app.add_option("--port", options.server.port, "port to listen on, 0 for any free one")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str()
+      ->envname("DRUPE_PORT");
+  app.add_option("--role", options.role, "api (take requests), worker (do the work) or both")
+      ->transform(CLI::CheckedTransformer(kRoles))
+      ->default_str("both")
+      ->envname("DRUPE_ROLE");
+  app.add_option("--log-level", options.log_level, "debug, info, warning or error")
+      ->transform(CLI::CheckedTransformer(kLevels))
+      ->default_str("info")
+      ->envname("DRUPE_LOG_LEVEL");
+  app.add_option("--public-url", options.public_url, "put before the links in replies, for a service behind a proxy")
+      ->envname("DRUPE_PUBLIC_URL");
+  AddLimits(app, options);
+}
+
+Status ApplyConfigFile(CLI::App& app, const std::string& path) {
+  DRUPE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxConfigBytes));
+  DRUPE_ASSIGN_OR_RETURN(const Json config, ParseJson(text));
+  if (!config.is_object()) return InvalidArgument("invalid_config", "the configuration must be a JSON object");
+  for (const auto& [key, value] : config.items()) DRUPE_RETURN_IF_ERROR(ApplyConfigValue(app, key, value));
+  return Status::Ok();
+}
+
+}  // namespace drupe
