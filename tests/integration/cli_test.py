@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""The command line as a user calls it."""
+import json
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+from drupe import BIN, QUICK_OPTIONS, SAMPLE, sample_images
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        self.directory = pathlib.Path(tempfile.mkdtemp(prefix="drupe-cli-"))
+        self.addCleanup(shutil.rmtree, self.directory)
+
+    def drupe(self, *arguments):
+        return subprocess.run([BIN / "drupe", *map(str, arguments)], capture_output=True, text=True, timeout=240, check=False)
+
+    def pictures(self, count):
+        folder = self.directory / "images"
+        folder.mkdir()
+        for name, content in sample_images(count):
+            (folder / name).write_bytes(content)
+        return folder
+
+    def test_run(self):
+        out = self.directory / "out"
+        run = self.drupe("run", self.pictures(12), "--calibration", SAMPLE / "calibration.json", "--board",
+                         SAMPLE / "board.json", "--out", out, "--options", json.dumps(QUICK_OPTIONS))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        for name in ("cameras.json", "sparse.ply", "dense.ply", "report.json", "timings.json"):
+            self.assertTrue((out / name).is_file(), name)
+        cameras = json.loads((out / "cameras.json").read_text())
+        self.assertEqual((cameras["unit"], cameras["scale_source"]), ("mm", "board"))
+        self.assertEqual(sum(camera["registered"] for camera in cameras["cameras"]), 12)
+        self.assertIn("dense", run.stderr, "stages are shown")
+        self.assertNotIn("\x1b", run.stderr, "without a terminal, plain lines")
+
+    def test_calibrate(self):
+        out = self.directory / "calibration.json"
+        run = self.drupe("calibrate", SAMPLE / "calibration", "--pattern", SAMPLE / "calibration/pattern.json", "--out", out)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        found, true = json.loads(out.read_text()), json.loads((SAMPLE / "calibration.json").read_text())
+        self.assertEqual((found["width"], found["height"]), (1280, 720))
+        self.assertAlmostEqual(found["K"][0][0] / true["K"][0][0], 1, delta=0.01)
+        self.assertLess(found["rms_px"], 0.5)
+
+    def test_board(self):
+        run = self.drupe("board", "--out", self.directory)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        suffixes = {path.suffix for path in self.directory.iterdir()}
+        self.assertTrue({".svg", ".png"} <= suffixes, suffixes)
+
+    def test_wrong_arguments(self):
+        for arguments, words in ((["run"], "IMAGES_DIR"), (["fly"], "fly"), ([], "subcommand")):
+            with self.subTest(arguments=arguments):
+                run = self.drupe(*arguments)
+                self.assertEqual(run.returncode, 2, run)
+                self.assertIn(words.lower(), (run.stderr + run.stdout).lower())
+
+    def test_work_that_cannot_be_done(self):
+        for arguments, words in ((["run", self.directory / "none", "--out", self.directory], "none"),
+                                 (["run", self.pictures(2), "--out", self.directory], "3")):
+            with self.subTest(arguments=arguments):
+                run = self.drupe(*arguments)
+                self.assertIn(run.returncode, (1, 2), run)
+                self.assertIn(words, run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
