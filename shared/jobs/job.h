@@ -30,13 +30,13 @@ struct JobError {
 
 /// What is asked for.
 struct JobSpec {
-  std::string kind;               ///< chooses the handler: "reconstruct", "analyze", ...
+  std::string kind = "";          ///< chooses the handler: "reconstruct", "analyze", ...
   std::string id_prefix = "job";  ///< the job's id is NewId(id_prefix)
-  std::string subject;            ///< what the job is about (an id), for JobFilter; may be empty
+  std::string subject = "";       ///< what the job is about (an id), for JobFilter; may be empty
   Json payload = Json::object();
-  int priority = 0;             ///< higher first; equal ones in order of submission
-  std::string idempotency_key;  ///< empty: every Submit is a new job
-  int max_attempts = 3;         ///< 1..100 attempts that may end in a failure or a lost lease
+  int priority = 0;                  ///< higher first; equal ones in order of submission
+  std::string idempotency_key = "";  ///< empty: every Submit is a new job
+  int max_attempts = 3;              ///< 1..100 attempts that may end in a failure or a lost lease
 
   /// Errors: 400 with the field that is out of range.
   Status Check() const;
@@ -77,9 +77,9 @@ struct JobEvent {
 };
 
 struct JobFilter {
-  std::string kind;               ///< empty: all
-  std::string subject;            ///< empty: all
-  std::optional<JobState> state;  ///< absent: all
+  std::string kind = "";                         ///< empty: all
+  std::string subject = "";                      ///< empty: all
+  std::optional<JobState> state = std::nullopt;  ///< absent: all
 };
 
 struct JobPage {

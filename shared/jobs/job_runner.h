@@ -22,6 +22,10 @@ struct JobRunnerOptions {
   std::int64_t drain_ms = 20'000;      ///< how long Stop lets running jobs go on
   std::string worker_name = "worker";  ///< in Job::worker, followed by the thread's number
 
+  /// Called when an attempt has ended, for metrics: the job as claimed, the handler's outcome, its wall time. Called
+  /// from worker threads. Empty: nobody listens.
+  std::function<void(const Job& job, const Status& outcome, double wall_s)> on_attempt = nullptr;
+
   Status Check() const;
 };
 

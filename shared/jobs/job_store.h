@@ -27,7 +27,7 @@ struct JobStoreOptions {
 
 /// What a worker reports while it runs a job.
 struct Heartbeat {
-  std::string stage;
+  std::string stage = "";
   double progress = 0;  ///< 0..1 of the whole job
   std::int64_t lease_ms = 30'000;
 };

@@ -93,6 +93,7 @@ class SqliteDatabase {
   sqlite3* connection_ = nullptr;
   std::unordered_map<std::string, sqlite3_stmt*> statements_;
   SqliteDurability durability_ = SqliteDurability::kPowerCut;
+  Status broken_;  ///< set once an fsync has failed
 };
 
 }  // namespace drupe

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+
+#include "jobs/fake_clock.h"
+#include "jobs/job_store.h"
+
+namespace drupe {
+
+/// What job_store_conformance.cpp needs of a back end: a test of one compiles that file together with its own
+/// MakeJobStoreUnderTest.
+class JobStoreUnderTest {
+ public:
+  virtual ~JobStoreUnderTest() = default;
+  virtual JobStore& store() = 0;
+  FakeClock& clock() { return clock_; }
+
+ protected:
+  FakeClock clock_;
+};
+
+/// A new, empty store with those options on a clock that stands still.
+std::unique_ptr<JobStoreUnderTest> MakeJobStoreUnderTest(const JobStoreOptions& options);
+
+}  // namespace drupe

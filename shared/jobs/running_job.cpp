@@ -1,0 +1,42 @@
+#include "jobs/running_job.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace drupe {
+
+RunningJob::RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages)
+    : id_(std::move(id)), attempt_(attempt), stages_(stages) {}
+
+RunContext RunningJob::MakeContext(int threads) {
+  RunContext context;
+  context.progress = [this](std::string_view stage, double fraction) { Report(stage, fraction); };
+  context.cancelled = [this] { return stop_.load(); };
+  context.threads = threads;
+  return context;
+}
+
+Heartbeat RunningJob::Snapshot(std::int64_t lease_ms) const {
+  const std::lock_guard lock(mutex_);
+  return {.stage = stage_, .progress = progress_, .lease_ms = lease_ms};
+}
+
+void RunningJob::Report(std::string_view stage, double fraction) {
+  const double overall = OverallProgress(stage, std::clamp(fraction, 0.0, 1.0));
+  const std::lock_guard lock(mutex_);
+  stage_ = stage;
+  progress_ = std::max(progress_, overall);
+}
+
+double RunningJob::OverallProgress(std::string_view stage, double fraction) const {
+  if (stages_.empty()) return fraction;
+  double total = 0;
+  double done = -1;
+  for (const StageShare& known : stages_) {
+    if (known.stage == stage) done = total + known.share * fraction;
+    total += known.share;
+  }
+  return done / total;
+}
+
+}  // namespace drupe

@@ -1,0 +1,381 @@
+#include "jobs/sqlite/sqlite_job_store.h"
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <limits>
+
+#include "base/ids.h"
+#include "base/log.h"
+#include "jobs/sqlite/job_rows.h"
+
+namespace drupe {
+
+namespace {
+
+constexpr int kMaxPage = 1000;
+
+Status JobNotFound(std::string_view id) {
+  return NotFound("job_not_found", "there is no job " + std::string(id));
+}
+
+Status Conflict(std::string code, std::string message) {
+  return {StatusKind::kConflict, std::move(code), std::move(message)};
+}
+
+/// Equality of JSON values, whatever the order of keys.
+bool SameJson(const Json& a, const Json& b) {
+  return nlohmann::json(a) == nlohmann::json(b);
+}
+
+Result<std::int64_t> ParseCursor(const std::string& cursor) {
+  std::int64_t seq = std::numeric_limits<std::int64_t>::max();
+  if (cursor.empty()) return seq;
+  const auto [end, error] = std::from_chars(cursor.data(), cursor.data() + cursor.size(), seq);
+  if (error == std::errc() && end == cursor.data() + cursor.size() && seq > 0) return seq;
+  return InvalidArgument("invalid_cursor", "the cursor must be one that a former page returned", "cursor");
+}
+
+Job NewJob(const JobSpec& spec, std::int64_t now_ms) {
+  Job job;
+  job.id = NewId(spec.id_prefix);
+  job.kind = spec.kind;
+  job.subject = spec.subject;
+  job.payload = spec.payload;
+  job.priority = spec.priority;
+  job.idempotency_key = spec.idempotency_key;
+  job.max_attempts = spec.max_attempts;
+  job.created_ms = job.available_at_ms = now_ms;
+  return job;
+}
+
+class SqliteJobStore : public JobStore {
+ public:
+  SqliteJobStore(SqliteDatabase& database, const JobStoreOptions& options, const Clock& clock)
+      : database_(database), rows_(database), options_(options), clock_(clock) {}
+
+  Status Open() {
+    DRUPE_RETURN_IF_ERROR(options_.Check());
+    DRUPE_RETURN_IF_ERROR(rows_.Migrate());
+    return RecoverRunning();
+  }
+
+  Result<Job> Submit(const JobSpec& spec) override;
+  Result<Job> Get(std::string_view id) override;
+  Result<JobPage> List(const JobFilter& filter, int limit, const std::string& cursor) override;
+  Result<std::vector<JobEvent>> History(std::string_view id) override;
+  Result<JobCounts> Counts() override;
+  Result<std::optional<Job>> Claim(const std::vector<std::string>& kinds, const std::string& worker,
+                                   std::int64_t lease_ms) override;
+  Result<bool> Beat(std::string_view id, std::int64_t attempt, const Heartbeat& heartbeat) override;
+  Status Complete(std::string_view id, std::int64_t attempt, const Json& result) override;
+  Status Fail(std::string_view id, std::int64_t attempt, const JobError& error, bool retryable) override;
+  Status MarkCancelled(std::string_view id, std::int64_t attempt) override;
+  Status Release(std::string_view id, std::int64_t attempt) override;
+  Result<Job> Cancel(std::string_view id) override;
+  Result<Job> Retry(std::string_view id) override;
+  Result<int> ExpireLeases() override;
+
+ private:
+  enum class Backoff { kYes, kNo };
+
+  Status RecoverRunning();
+  Result<Job> FindOrInsert(const JobSpec& spec);
+  Result<int> ExpireLeasesInTransaction();
+  /// The row of `id`; 404 when there is none.
+  Result<JobRow> Find(std::string_view id);
+  /// The row of a running attempt; 409 when that attempt is over.
+  Result<JobRow> FindAttempt(std::string_view id, std::int64_t attempt);
+  /// Changes the row of a running attempt and saves it with an event, durably.
+  Status EndAttempt(std::string_view id, std::int64_t attempt, const std::function<Status(JobRow&)>& end);
+  /// Moves a row to `state`, saves it and records why.
+  Status Move(JobRow& row, JobState state, std::string_view reason);
+  Status FailAttempt(JobRow& row, const JobError& error, bool retryable, Backoff backoff);
+  /// Transaction that tells the waiters when it has changed something.
+  Status Change(SqliteDurability durability, const std::function<Status()>& body);
+  Status CheckSize(std::size_t bytes, std::string_view what) const;
+
+  SqliteDatabase& database_;
+  JobRows rows_;
+  const JobStoreOptions options_;
+  const Clock& clock_;
+};
+
+Status SqliteJobStore::Change(SqliteDurability durability, const std::function<Status()>& body) {
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(durability, body));
+  changes_.Notify();
+  return Status::Ok();
+}
+
+Status SqliteJobStore::CheckSize(std::size_t bytes, std::string_view what) const {
+  if (bytes <= options_.max_payload_bytes) return Status::Ok();
+  return {StatusKind::kTooLarge, std::string(what) + "_too_large",
+          "the " + std::string(what) + " has " + std::to_string(bytes) + " bytes as JSON; the limit is " +
+              std::to_string(options_.max_payload_bytes)};
+}
+
+Result<JobRow> SqliteJobStore::Find(std::string_view id) {
+  DRUPE_ASSIGN_OR_RETURN(std::optional<JobRow> row, rows_.FindById(id));
+  if (!row) return JobNotFound(id);
+  return std::move(*row);
+}
+
+Result<JobRow> SqliteJobStore::FindAttempt(std::string_view id, std::int64_t attempt) {
+  DRUPE_ASSIGN_OR_RETURN(JobRow row, Find(id));
+  if (row.job.state == JobState::kRunning && row.job.attempt == attempt) return row;
+  return Conflict("stale_attempt", "attempt " + std::to_string(attempt) + " of job " + std::string(id) +
+                                       " is over: the job is " + JobStateName(row.job.state) + " at attempt " +
+                                       std::to_string(row.job.attempt));
+}
+
+Status SqliteJobStore::Move(JobRow& row, JobState state, std::string_view reason) {
+  const std::int64_t now = clock_.NowMs();
+  row.job.state = state;
+  row.job.lease_until_ms = state == JobState::kRunning ? row.job.lease_until_ms : 0;
+  row.job.finished_ms = IsTerminal(state) ? now : 0;
+  DRUPE_RETURN_IF_ERROR(rows_.Update(row));
+  return rows_.AddEvent(row, reason, now);
+}
+
+// ---- what a client asks
+
+Result<Job> SqliteJobStore::Submit(const JobSpec& spec) {
+  DRUPE_RETURN_IF_ERROR(spec.Check());
+  DRUPE_RETURN_IF_ERROR(CheckSize(DumpJson(spec.payload).size(), "payload"));
+  Job job;
+  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(job, FindOrInsert(spec));
+    return Status::Ok();
+  }));
+  return job;
+}
+
+Result<Job> SqliteJobStore::FindOrInsert(const JobSpec& spec) {
+  if (!spec.idempotency_key.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(std::optional<JobRow> known, rows_.FindByKey(spec.idempotency_key));
+    if (known) {
+      const Job& job = known->job;
+      if (job.kind == spec.kind && job.subject == spec.subject && SameJson(job.payload, spec.payload)) return job;
+      return Conflict("idempotency_key_reused", "this Idempotency-Key was used with another request, for " + job.id);
+    }
+  }
+  DRUPE_ASSIGN_OR_RETURN(const std::int64_t queued, rows_.CountQueued());
+  if (queued >= options_.max_queued) {
+    return Status(StatusKind::kUnavailable, "queue_full",
+                  std::to_string(queued) + " jobs are waiting; the limit is " + std::to_string(options_.max_queued));
+  }
+  JobRow row{.job = NewJob(spec, clock_.NowMs())};
+  DRUPE_ASSIGN_OR_RETURN(row.seq, rows_.Insert(row.job));
+  DRUPE_RETURN_IF_ERROR(rows_.AddEvent(row, "submitted", row.job.created_ms));
+  return row.job;
+}
+
+Result<Job> SqliteJobStore::Get(std::string_view id) {
+  JobRow row;
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(row, Find(id));
+    return Status::Ok();
+  }));
+  return std::move(row.job);
+}
+
+Result<JobPage> SqliteJobStore::List(const JobFilter& filter, int limit, const std::string& cursor) {
+  if (limit < 1 || limit > kMaxPage) return InvalidArgument("invalid_limit", "limit must be 1 to 1000", "limit");
+  DRUPE_ASSIGN_OR_RETURN(const std::int64_t before, ParseCursor(cursor));
+  std::vector<JobRow> rows;
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(rows, rows_.FindPage(filter, before, limit + 1));
+    return Status::Ok();
+  }));
+  JobPage page;
+  const auto count = std::min(rows.size(), static_cast<std::size_t>(limit));
+  if (rows.size() > count) page.next_cursor = std::to_string(rows[count - 1].seq);
+  for (std::size_t i = 0; i < count; ++i) page.jobs.push_back(std::move(rows[i].job));
+  return page;
+}
+
+Result<std::vector<JobEvent>> SqliteJobStore::History(std::string_view id) {
+  std::vector<JobEvent> events;
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const JobRow row, Find(id));
+    DRUPE_ASSIGN_OR_RETURN(events, rows_.Events(row.seq));
+    return Status::Ok();
+  }));
+  return events;
+}
+
+Result<JobCounts> SqliteJobStore::Counts() {
+  JobCounts counts;
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(counts, rows_.Counts());
+    return Status::Ok();
+  }));
+  return counts;
+}
+
+Result<Job> SqliteJobStore::Cancel(std::string_view id) {
+  JobRow row;
+  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(row, Find(id));
+    Job& job = row.job;
+    if (job.state == JobState::kCancelled || job.cancel_requested) return Status::Ok();
+    if (IsTerminal(job.state)) {
+      return Conflict("job_finished", std::string(id) + " has already " + JobStateName(job.state));
+    }
+    job.cancel_requested = true;
+    if (job.state == JobState::kQueued) return Move(row, JobState::kCancelled, "cancelled");
+    return Move(row, JobState::kRunning, "cancel_requested");
+  }));
+  return std::move(row.job);
+}
+
+Result<Job> SqliteJobStore::Retry(std::string_view id) {
+  JobRow row;
+  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(row, Find(id));
+    Job& job = row.job;
+    if (job.state != JobState::kFailed && job.state != JobState::kCancelled) {
+      return Conflict("job_not_ended", "only a failed or cancelled job can be tried again; " + std::string(id) +
+                                           " is " + JobStateName(job.state));
+    }
+    job.cancel_requested = false;
+    job.failures = 0;
+    job.error.reset();
+    job.stage.clear();
+    job.progress = 0;
+    job.available_at_ms = clock_.NowMs();
+    return Move(row, JobState::kQueued, "retried by request");
+  }));
+  return std::move(row.job);
+}
+
+// ---- what a worker says
+
+// A claim need not survive a power cut: that takes the worker away with the claim, since both are on one machine.
+Result<std::optional<Job>> SqliteJobStore::Claim(const std::vector<std::string>& kinds, const std::string& worker,
+                                                 std::int64_t lease_ms) {
+  std::optional<JobRow> row;
+  int expired = 0;
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(expired, ExpireLeasesInTransaction());
+    const std::int64_t now = clock_.NowMs();
+    DRUPE_ASSIGN_OR_RETURN(row, rows_.FindClaimable(kinds, now));
+    if (!row) return Status::Ok();
+    Job& job = row->job;
+    ++job.attempt;
+    job.worker = worker;
+    job.started_ms = now;
+    job.lease_until_ms = now + lease_ms;
+    job.stage.clear();
+    job.progress = 0;
+    return Move(*row, JobState::kRunning, "claimed");
+  }));
+  if (row || expired > 0) changes_.Notify();
+  return row ? std::optional<Job>(std::move(row->job)) : std::nullopt;
+}
+
+Result<bool> SqliteJobStore::Beat(std::string_view id, std::int64_t attempt, const Heartbeat& heartbeat) {
+  JobRow row;
+  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(row, FindAttempt(id, attempt));
+    row.job.stage = heartbeat.stage;
+    row.job.progress = std::clamp(heartbeat.progress, 0.0, 1.0);
+    row.job.lease_until_ms = clock_.NowMs() + heartbeat.lease_ms;
+    return rows_.Update(row);
+  }));
+  return row.job.cancel_requested;
+}
+
+Status SqliteJobStore::EndAttempt(std::string_view id, std::int64_t attempt,
+                                  const std::function<Status(JobRow&)>& end) {
+  return Change(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(JobRow row, FindAttempt(id, attempt));
+    return end(row);
+  });
+}
+
+Status SqliteJobStore::Complete(std::string_view id, std::int64_t attempt, const Json& result) {
+  DRUPE_RETURN_IF_ERROR(CheckSize(DumpJson(result).size(), "result"));
+  return EndAttempt(id, attempt, [&](JobRow& row) {
+    row.job.result = result;
+    row.job.error.reset();
+    row.job.progress = 1;
+    return Move(row, JobState::kSucceeded, "succeeded");
+  });
+}
+
+Status SqliteJobStore::Fail(std::string_view id, std::int64_t attempt, const JobError& error, bool retryable) {
+  return EndAttempt(id, attempt, [&](JobRow& row) { return FailAttempt(row, error, retryable, Backoff::kYes); });
+}
+
+Status SqliteJobStore::FailAttempt(JobRow& row, const JobError& error, bool retryable, Backoff backoff) {
+  Job& job = row.job;
+  ++job.failures;
+  job.error = error;
+  if (job.cancel_requested) return Move(row, JobState::kCancelled, "cancelled");
+  if (!retryable) return Move(row, JobState::kFailed, "failed: " + error.code);
+  if (job.failures >= job.max_attempts) {
+    job.error = JobError{"attempts_exhausted",
+                         "given up after " + std::to_string(job.failures) + " attempts; the last ended with " +
+                             error.code + ": " + error.message,
+                         error.field};
+    return Move(row, JobState::kFailed, "attempts_exhausted: " + error.code);
+  }
+  job.available_at_ms = clock_.NowMs() + (backoff == Backoff::kYes ? options_.BackoffMs(job.failures) : 0);
+  return Move(row, JobState::kQueued, "retry: " + error.code);
+}
+
+Status SqliteJobStore::MarkCancelled(std::string_view id, std::int64_t attempt) {
+  return EndAttempt(id, attempt, [&](JobRow& row) { return Move(row, JobState::kCancelled, "cancelled"); });
+}
+
+Status SqliteJobStore::Release(std::string_view id, std::int64_t attempt) {
+  return EndAttempt(id, attempt, [&](JobRow& row) {
+    if (row.job.cancel_requested) return Move(row, JobState::kCancelled, "cancelled");
+    row.job.available_at_ms = clock_.NowMs();
+    return Move(row, JobState::kQueued, "released");
+  });
+}
+
+// ---- what time and crashes do
+
+Result<int> SqliteJobStore::ExpireLeases() {
+  int expired = 0;
+  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(expired, ExpireLeasesInTransaction());
+    return Status::Ok();
+  }));
+  return expired;
+}
+
+Result<int> SqliteJobStore::ExpireLeasesInTransaction() {
+  DRUPE_ASSIGN_OR_RETURN(std::vector<JobRow> rows, rows_.FindExpired(clock_.NowMs()));
+  for (JobRow& row : rows) {
+    const JobError error{"lease_expired", "the worker " + row.job.worker + " stopped reporting", ""};
+    DRUPE_RETURN_IF_ERROR(FailAttempt(row, error, true, Backoff::kYes));
+  }
+  return static_cast<int>(rows.size());
+}
+
+Status SqliteJobStore::RecoverRunning() {
+  return Change(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(std::vector<JobRow> rows, rows_.FindExpired(std::numeric_limits<std::int64_t>::max()));
+    for (JobRow& row : rows) {
+      const JobError error{"owner_died", "the service stopped while it ran this job", ""};
+      DRUPE_RETURN_IF_ERROR(FailAttempt(row, error, true, Backoff::kNo));
+    }
+    if (!rows.empty()) Log(LogLevel::kInfo, "recovered interrupted jobs", {{"count", rows.size()}});
+    return Status::Ok();
+  });
+}
+
+}  // namespace
+
+Result<std::unique_ptr<JobStore>> OpenSqliteJobStore(SqliteDatabase& database, const JobStoreOptions& options,
+                                                     const Clock& clock) {
+  auto store = std::make_unique<SqliteJobStore>(database, options, clock);
+  DRUPE_RETURN_IF_ERROR(store->Open());
+  return std::unique_ptr<JobStore>(std::move(store));
+}
+
+}  // namespace drupe
