@@ -1,0 +1,144 @@
+#include "defect_analysis/fruit/closed_surface.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/robust.h"
+#include "geometry/spherical_harmonics.h"
+
+namespace drupe {
+namespace {
+
+constexpr int kTableCells = 64;            // of the surface's table, a side of a face
+constexpr double kPointsPerCell = 6;       // wanted in the cells whose medians are fitted
+constexpr double kSmoothness = 1e-8;       // see FitSphericalFunction
+constexpr double kMinScaleShare = 0.0008;  // of the radius: scale below which the re-weighting does not go
+constexpr std::size_t kSphereSample = 5000;
+
+Status NotAFruit(const char* why) {
+  return Unprocessable("not_a_fruit", why);
+}
+
+// The cells that were seen, with the median radius of each.
+struct SeenCells {
+  std::vector<Eigen::Vector3d> directions;
+  Eigen::MatrixXd radii;  // one column
+  std::vector<int> cells;
+};
+
+SeenCells MedianRadii(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& centre, const CubeMap& map) {
+  std::vector<std::vector<float>> radii(map.size());
+  for (const Eigen::Vector3d& x : points) {
+    const Eigen::Vector3f offset = (x - centre).cast<float>();
+    radii[map.CellOf(offset)].push_back(offset.norm());
+  }
+  SeenCells seen;
+  for (int cell = 0; cell < map.size(); ++cell) {
+    if (!radii[cell].empty()) seen.cells.push_back(cell);
+  }
+  seen.radii.resize(static_cast<Eigen::Index>(seen.cells.size()), 1);
+  for (std::size_t i = 0; i < seen.cells.size(); ++i) {
+    seen.directions.push_back(map.DirectionOf(seen.cells[i]));
+    seen.radii(static_cast<Eigen::Index>(i), 0) = Median(radii[seen.cells[i]]);
+  }
+  return seen;
+}
+
+Eigen::VectorXd TukeyWeights(const Eigen::VectorXd& residuals, double scale) {
+  return residuals.unaryExpr([scale](double r) { return TukeyWeight(r / scale); });
+}
+
+// Degrees rise step by step: the coarse shape finds the outliers before the fine one could follow them.
+Result<SphericalFunction> FitRobustly(const SeenCells& seen, int degree, double* residual) {
+  const Eigen::MatrixXd basis = SphericalBasisRows(degree, seen.directions);
+  const Eigen::VectorXd target = seen.radii.col(0);
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(target.size());
+  const double mean_radius = target.mean();
+  weights =
+      TukeyWeights(target.array() - Median(std::vector<double>(target.begin(), target.end())), 0.12 * mean_radius);
+  SphericalFunction function;
+  for (const int step : {2, 2, 2, 4, 4, 8, degree, degree}) {
+    const int used = std::min(step, degree);
+    DRUPE_ASSIGN_OR_RETURN(function, FitSphericalFunction(used, basis, seen.radii, weights, kSmoothness));
+    const Eigen::VectorXd residuals = target - basis.leftCols((used + 1) * (used + 1)) * function.coefficients();
+    *residual = RobustSigma(std::vector<double>(residuals.begin(), residuals.end()));
+    weights = TukeyWeights(residuals, std::max(*residual, kMinScaleShare * mean_radius));
+  }
+  return function;
+}
+
+FruitSurface Tabulate(const SphericalFunction& function, const Eigen::Vector3d& centre) {
+  const auto radius = [&](const Eigen::Vector3d& direction) { return static_cast<float>(function.At(direction)[0]); };
+  return FruitSurface(centre, CubeTable<float>::Of(kTableCells, radius));
+}
+
+bool IsClosed(const SphericalFunction& function, const CubeMap& map, double mean_radius) {
+  for (int cell = 0; cell < map.size(); cell += 7) {
+    const double radius = function.At(map.DirectionOf(cell))[0];
+    if (!(radius > 0.2 * mean_radius && radius < 3 * mean_radius)) return false;
+  }
+  return true;
+}
+
+double ObservedShare(const FruitSurface& surface, const SeenCells& seen, const CubeMap& map, double limit) {
+  double observed = 0;
+  for (std::size_t i = 0; i < seen.cells.size(); ++i) {
+    const double radius = seen.radii(static_cast<Eigen::Index>(i), 0);
+    if (std::abs(radius - surface.RadiusAt(seen.directions[i].cast<float>())) > limit) continue;
+    observed += map.SolidAngle(seen.cells[i]) * surface.AreaPerSolidAngle(seen.directions[i]);
+  }
+  return std::min(1.0, observed / surface.Area());
+}
+
+}  // namespace
+
+Result<Sphere> FitSphere(const std::vector<Eigen::Vector3d>& points) {
+  const std::size_t step = std::max<std::size_t>(1, points.size() / kSphereSample);
+  std::vector<Eigen::Vector3d> sample;
+  for (std::size_t i = 0; i < points.size(); i += step) sample.push_back(points[i]);
+  if (sample.size() < 10) return NotAFruit("too few points");
+  Sphere sphere;
+  std::vector<double> weights(sample.size(), 1.0);
+  const Eigen::Vector3d origin = sample.front();  // keeps the squares below small
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    Eigen::Matrix4d normal = 1e-12 * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d rhs = Eigen::Vector4d::Zero();
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+      const Eigen::Vector3d x = sample[i] - origin;
+      const Eigen::Vector4d row(2 * x.x(), 2 * x.y(), 2 * x.z(), 1);
+      normal += weights[i] * row * row.transpose();
+      rhs += weights[i] * x.squaredNorm() * row;
+    }
+    const Eigen::Vector4d solution = normal.ldlt().solve(rhs);
+    sphere.centre = solution.head<3>() + origin;
+    const double squared = solution[3] + solution.head<3>().squaredNorm();
+    if (!(squared > 0) || !std::isfinite(squared)) return NotAFruit("the points lie on no sphere");
+    sphere.radius = std::sqrt(squared);
+    std::vector<double> residuals(sample.size());
+    for (std::size_t i = 0; i < sample.size(); ++i) residuals[i] = (sample[i] - sphere.centre).norm() - sphere.radius;
+    const double scale = std::max(RobustSigma(residuals), 0.01 * sphere.radius);
+    for (std::size_t i = 0; i < sample.size(); ++i) weights[i] = TukeyWeight(residuals[i] / scale);
+  }
+  return sphere;
+}
+
+Result<ClosedSurface> FitClosedSurface(const std::vector<Eigen::Vector3d>& points, const FruitOptions& options) {
+  DRUPE_ASSIGN_OR_RETURN(const Sphere sphere, FitSphere(points));
+  const auto wanted = std::sqrt(static_cast<double>(points.size()) / (6 * kPointsPerCell));
+  const CubeMap map(std::clamp(static_cast<int>(wanted), 8, 40));
+  const SeenCells seen = MedianRadii(points, sphere.centre, map);
+  const int degree = std::min(options.surface_degree, map.n() / 2);
+  const int unknowns = (degree + 1) * (degree + 1);
+  if (static_cast<int>(seen.cells.size()) < unknowns) return NotAFruit("too few directions are seen");
+  ClosedSurface result;
+  DRUPE_ASSIGN_OR_RETURN(const SphericalFunction function, FitRobustly(seen, degree, &result.residual_mm));
+  if (!IsClosed(function, map, sphere.radius)) return NotAFruit("the points do not surround a centre");
+  result.surface = Tabulate(function, sphere.centre);
+  result.observed_share =
+      ObservedShare(result.surface, seen, map, std::max(options.outlier_distance_mm, 4 * result.residual_mm));
+  return result;
+}
+
+}  // namespace drupe

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "base/run_context.h"
+#include "base/status.h"
+#include "defect_analysis/fruit/fruit_options.h"
+#include "scene/fruit_cloud.h"
+#include "scene/point_cloud.h"
+
+namespace drupe {
+
+/// How the cloud lies in space.
+struct FruitScene {
+  bool metric = false;  ///< the cloud is in mm, in the board's frame (z = 0 on the board, z up)
+  std::vector<Eigen::Vector3d> camera_centres;
+};
+
+/// Background removal (paper 4.1): cuts the ground off, separates the objects above it, keeps those that a closed
+/// smooth surface of a fruit's size fits, and drops the points that are not on that surface (needle, strays). Fruits
+/// come largest first. Without a metric scale each fruit is scaled to the nominal diameter, and FruitCloud::mm_per_unit
+/// says by how much. A cloud without fruit gives none. Errors: `cancelled`.
+Result<std::vector<FruitCloud>> ExtractFruits(const PointCloud& cloud, const FruitScene& scene,
+                                              const FruitOptions& options, const RunContext& context);
+
+}  // namespace drupe
