@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""api/openapi.yaml against the sources and against live replies of every route."""
+import json
+import unittest
+
+import contract
+import pictures
+from drupe import QUICK_OPTIONS, SAMPLE, DrupeTest, multipart, sample_images, sample_parts, wait_for
+
+UNKNOWN = "a" * 20
+
+
+class OpenApiTest(DrupeTest):
+    """Talks to the services through `call`, which checks each reply against the contract and notes what it has seen."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.contract = contract.Contract()
+        cls.seen = set()  # (service, method, path template, status)
+
+    def call(self, service, method, path, body=None, headers=None, expect=None):
+        if isinstance(body, dict):
+            body, headers = json.dumps(body), {"Content-Type": "application/json", **(headers or {})}
+        reply = getattr(self.system, service).request(method, path, body, headers)
+        operation = self.contract.find(service, method, path)
+        self.assertIsNotNone(operation, f"{method} {path} of {service} is not described")
+        template, description = operation
+        self.assertEqual(self.contract.problems(description, reply), [], f"{method} {path}: {reply}")
+        if expect is not None:
+            self.assertEqual(reply.status, expect, f"{method} {path}: {reply}")
+        self.seen.add((service, method.lower(), template, reply.status))
+        return reply
+
+    def post_parts(self, service, path, parts, expect):
+        body, content_type = multipart(parts)
+        return self.call(service, "POST", path, body, {"Content-Type": content_type}, expect)
+
+    def test_1_every_registered_route_is_described_and_none_else(self):
+        registered, described = contract.registered_routes(), self.contract.routes()
+        self.assertEqual(registered - described, set(), "registered, but not in api/openapi.yaml")
+        self.assertEqual(described - registered, set(), "in api/openapi.yaml, but not registered")
+
+    def test_1_references_and_names(self):
+        names = [operation["operationId"] for _, _, _, operation in self.contract.operations()]
+        self.assertEqual(len(names), len(set(names)))
+        for _, method, path, operation in self.contract.operations():
+            self.assertTrue(operation["summary"], path)
+            for response in operation["responses"].values():
+                self.assertTrue(self.contract.resolve(response)["description"], (method, path))
+
+    def test_1_examples_match_their_schemas(self):
+        example = json.loads((contract.API / "examples/report.json").read_text())
+        self.assertEqual(self.contract.schema_problems({"$ref": "schemas/report.schema.json"}, example), [])
+
+    def test_2_operation(self):
+        for service in ("capture", "reconstruction", "analysis"):
+            for path in ("/healthz", "/readyz", "/metrics"):
+                self.call(service, "GET", path, expect=200)
+            self.assertEqual(self.call(service, "GET", "/openapi.yaml", expect=200).body.decode(), self.contract.text)
+
+    def test_3_reconstruction_and_report(self):
+        accepted = self.post_parts("reconstruction", "/reconstruct", sample_parts(sample_images(12), QUICK_OPTIONS), 202)
+        job = accepted.json()["id"]
+        self.call("reconstruction", "GET", f"/reconstructions/{job}", expect=200)
+        self.call("analysis", "GET", f"/reports/rec_{UNKNOWN}", expect=404)
+        self.assertEqual(self.system.wait_until_ended(job)["status"], "succeeded")
+        self.call("reconstruction", "GET", f"/reconstructions/{job}", expect=200)
+        self.call("reconstruction", "GET", f"/reconstructions/{job}/events", expect=200)
+        self.call("reconstruction", "DELETE", f"/reconstructions/{job}", expect=409)
+        artifact = f"/reconstructions/{job}/artifacts/cameras.json"
+        tag = self.call("reconstruction", "GET", artifact, expect=200).headers["etag"]
+        self.call("reconstruction", "GET", artifact, headers={"If-None-Match": tag}, expect=304)
+        self.call("reconstruction", "GET", artifact, headers={"Range": "bytes=0-9"}, expect=206)
+        self.call("reconstruction", "GET", artifact, headers={"Range": "bytes=99999999-"}, expect=416)
+        self.call("reconstruction", "GET", f"/reconstructions/{job}/artifacts/none.ply", expect=404)
+
+        self.system.wait_for_report(job)
+        self.call("analysis", "GET", f"/reports/{job}", expect=200)
+        self.call("analysis", "GET", f"/reports/{job}.csv", expect=200)
+        self.call("analysis", "GET", "/reports?limit=1", expect=200)
+        self.call("analysis", "GET", "/reports?limit=0", expect=400)
+        self.call("analysis", "POST", "/analyze", {"reconstruction": job, "options": {}}, expect=202)
+
+    def test_3_image_sets(self):
+        set_id = self.call("reconstruction", "POST", "/image-sets", {}, expect=201).json()["id"]
+        name, content = sample_images(1)[0]
+        image = f"/image-sets/{set_id}/images/{name}"
+        self.call("reconstruction", "PUT", image, content, {"Content-Type": "image/jpeg"}, 201)
+        self.call("reconstruction", "PUT", image, content, {"Content-Type": "image/jpeg"}, 200)
+        self.call("reconstruction", "PUT", image, b"text", {"Content-Type": "image/jpeg"}, 415)
+        self.call("reconstruction", "PUT", image, pictures.png_bomb(), {"Content-Type": "image/png"}, 413)
+        self.call("reconstruction", "GET", f"/image-sets/{set_id}", expect=200)
+        self.call("reconstruction", "GET", "/image-sets/set_unknown", expect=404)
+        self.call("reconstruction", "POST", "/reconstruct", {"image_set": set_id}, expect=422)
+        self.call("reconstruction", "POST", "/reconstruct", {"image_set": "set_unknown"}, expect=404)
+        self.call("reconstruction", "POST", "/reconstruct", {"image_set": 1}, expect=400)
+        self.call("reconstruction", "POST", "/reconstruct", "x", {"Content-Type": "text/plain"}, 415)
+
+    def test_3_cancel(self):
+        job = self.system.submit(sample_images(36))
+        self.call("reconstruction", "DELETE", f"/reconstructions/{job}")
+        self.call("reconstruction", "DELETE", f"/reconstructions/rec_{UNKNOWN}", expect=404)
+
+    def test_3_calibration(self):
+        folder = SAMPLE / "calibration"
+        parts = [("images", path.name, path.read_bytes()) for path in sorted(folder.glob("*.jpg"))]
+        parts.append(("pattern", None, (folder / "pattern.json").read_text()))
+        reply = self.post_parts("capture", "/calibrations", parts, None)
+        path = f"/calibrations/{reply.json()['id']}"
+
+        def ended():
+            return self.call("capture", "GET", path).json()["status"] in ("succeeded", "failed")
+
+        wait_for("calibration", ended, 120, 0.2)
+        self.call("capture", "GET", path, expect=200)
+        self.call("capture", "GET", f"/calibrations/cal_{UNKNOWN}", expect=404)
+        self.call("capture", "GET", "/cameras", expect=200)
+
+    def test_9_every_described_operation_has_succeeded(self):
+        succeeded = {entry[:3] for entry in self.seen if entry[3] < 300}
+        self.assertEqual(self.contract.routes() - succeeded, set(), "never seen to succeed")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
