@@ -4,36 +4,14 @@
 #include <map>
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
-#include <string>
 #include <vector>
 
 #include "reconstruction/board/board_consistency.h"
 #include "reconstruction/board/marker_refiner.h"
+#include "scene/marker_dictionary.h"
 
 namespace drupe {
 namespace {
-
-/// Names as in board.json, in the order of cv::aruco's own enumeration.
-const std::map<std::string, int>& DictionaryCodes() {
-  static const std::map<std::string, int> codes = {{"DICT_4X4_50", cv::aruco::DICT_4X4_50},
-                                                   {"DICT_4X4_100", cv::aruco::DICT_4X4_100},
-                                                   {"DICT_4X4_250", cv::aruco::DICT_4X4_250},
-                                                   {"DICT_4X4_1000", cv::aruco::DICT_4X4_1000},
-                                                   {"DICT_5X5_50", cv::aruco::DICT_5X5_50},
-                                                   {"DICT_5X5_100", cv::aruco::DICT_5X5_100},
-                                                   {"DICT_5X5_250", cv::aruco::DICT_5X5_250},
-                                                   {"DICT_5X5_1000", cv::aruco::DICT_5X5_1000},
-                                                   {"DICT_6X6_50", cv::aruco::DICT_6X6_50},
-                                                   {"DICT_6X6_100", cv::aruco::DICT_6X6_100},
-                                                   {"DICT_6X6_250", cv::aruco::DICT_6X6_250},
-                                                   {"DICT_6X6_1000", cv::aruco::DICT_6X6_1000},
-                                                   {"DICT_7X7_50", cv::aruco::DICT_7X7_50},
-                                                   {"DICT_7X7_100", cv::aruco::DICT_7X7_100},
-                                                   {"DICT_7X7_250", cv::aruco::DICT_7X7_250},
-                                                   {"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
-                                                   {"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL}};
-  return codes;
-}
 
 /// A grey picture reduced by a whole factor, and how its pixels lie in the full one:
 /// full = factor * reduced + (factor - 1) / 2.
@@ -64,9 +42,9 @@ Reduced Reduce(const GrayImage& image, int search_width_px) {
 
 /// Markers in the reduced picture, corners to about a pixel. Corners are not refined here: cv::aruco's own refinement
 /// is biased on foreshortened markers (OpenCV issue 24113).
-void FindMarkers(const cv::Mat& picture, const Board& board, const BoardDetectorOptions& options,
+void FindMarkers(const cv::Mat& picture, int opencv_dictionary, const BoardDetectorOptions& options,
                  std::vector<std::vector<cv::Point2f>>& corners, std::vector<int>& ids) {
-  const auto dictionary = cv::aruco::getPredefinedDictionary(DictionaryCodes().at(board.dictionary));
+  const auto dictionary = cv::aruco::getPredefinedDictionary(opencv_dictionary);
   const auto parameters = cv::aruco::DetectorParameters::create();
   parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   parameters->minMarkerPerimeterRate = 4.0 * options.min_marker_side_px / std::max(picture.cols, picture.rows);
@@ -76,16 +54,17 @@ void FindMarkers(const cv::Mat& picture, const Board& board, const BoardDetector
   cv::aruco::detectMarkers(picture, dictionary, corners, ids, parameters);
 }
 
-BoardDetection Detect(const GrayImage& image, const Board& board, const BoardDetectorOptions& options) {
+BoardDetection Detect(const GrayImage& image, const Board& board, const MarkerDictionary& dictionary,
+                      const BoardDetectorOptions& options) {
   const Reduced reduced = Reduce(image, options.search_width_px);
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
-  FindMarkers(reduced.picture, board, options, corners, ids);
+  FindMarkers(reduced.picture, dictionary.opencv_id, options, corners, ids);
 
   PinholeCamera camera;
   camera.fx = camera.fy = std::max(image.width(), image.height());
   if (options.camera) camera = *options.camera;
-  const MarkerRefiner refiner(image, camera);
+  const MarkerRefiner refiner(image, camera, dictionary.bits);
   std::map<int, MarkerDetection> by_id;
   std::map<int, int> seen;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -108,13 +87,13 @@ BoardDetection Detect(const GrayImage& image, const Board& board, const BoardDet
 
 Status BoardDetectorOptions::Check() const {
   if (search_width_px < 320 || search_width_px > 16384) {
-    return InvalidArgument("invalid_option", "search_width_px must be 320 to 16384", "board.search_width_px");
+    return InvalidArgument("invalid_options", "search_width_px must be 320 to 16384", "board.search_width_px");
   }
   if (!(min_marker_side_px >= 8.0 && min_marker_side_px <= 1000.0)) {
-    return InvalidArgument("invalid_option", "min_marker_side_px must be 8 to 1000", "board.min_marker_side_px");
+    return InvalidArgument("invalid_options", "min_marker_side_px must be 8 to 1000", "board.min_marker_side_px");
   }
   if (!(max_homography_error_share > 0.0 && max_homography_error_share <= 0.5)) {
-    return InvalidArgument("invalid_option", "max_homography_error_share must be above 0 and at most 0.5",
+    return InvalidArgument("invalid_options", "max_homography_error_share must be above 0 and at most 0.5",
                            "board.max_homography_error_share");
   }
   return Status::Ok();
@@ -125,12 +104,13 @@ Result<BoardDetection> DetectBoard(const GrayImage& image, const Board& board, c
   if (image.empty() || image.channels() != 1) {
     return InvalidArgument("invalid_image", "the board is searched in a grey picture");
   }
-  if (!DictionaryCodes().contains(board.dictionary)) {
+  const MarkerDictionary* dictionary = FindMarkerDictionary(board.dictionary);
+  if (dictionary == nullptr) {
     return InvalidArgument("invalid_board", "unknown dictionary " + board.dictionary, "board.dictionary");
   }
   if (board.corners_mm.empty()) return BoardDetection{};
   try {
-    return Detect(image, board, options);
+    return Detect(image, board, *dictionary, options);
   } catch (const std::exception& error) {
     return Internal("board_detection_failed", error.what());
   }

@@ -13,7 +13,6 @@ using Corners = std::array<Eigen::Vector2d, 4>;
 
 constexpr double kProfileStepPx = 0.5;   // finer than a pixel, so that the sum approximates the integral
 constexpr double kPlateauReachPx = 3.0;  // blur of a focused lens has faded this far from an edge
-constexpr double kBitsASide = 6.0;       // 4 x 4 bits and a black border of one bit
 constexpr double kMinContrast = 24.0;    // grey levels between border and paper
 constexpr double kSideMargin = 0.1;      // share of a side next to a corner, where the other side blurs in
 constexpr int kMinEdges = 6;             // edges that a line needs
@@ -161,13 +160,13 @@ std::optional<Corners> MarkerRefiner::RefineOnce(const Corners& corners, const R
 }
 
 std::optional<Corners> MarkerRefiner::Refine(const Corners& corners, double uncertainty_px) const {
-  // The border is one bit wide; a profile that reaches farther meets the marker's pattern.
+  // The border is one cell wide; a profile that reaches farther meets the marker's pattern.
   double shortest = 1e9;
   for (int k = 0; k < 4; ++k) {
     const Eigen::Vector2d side = corners[(k + 1) % 4] - corners[k], next = corners[(k + 2) % 4] - corners[(k + 1) % 4];
     shortest = std::min(shortest, std::abs(side.x() * next.y() - side.y() * next.x()) / side.norm());
   }
-  const double border = shortest / kBitsASide;
+  const double border = shortest / cells_a_side_;
   const double plateau = std::min(kPlateauReachPx, 0.7 * border);
   const auto coarse = RefineOnce(corners, {std::min(uncertainty_px, std::max(1.0, 0.7 * border)), plateau});
   if (!coarse) return std::nullopt;

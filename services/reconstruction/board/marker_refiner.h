@@ -17,8 +17,9 @@ namespace drupe {
 /// 0.1 pixel at the border of a 4K picture), and corners are intersections of neighbouring lines.
 class MarkerRefiner {
  public:
-  /// Borrows both. `image` is grey.
-  MarkerRefiner(const GrayImage& image, const PinholeCamera& camera) : image_(image), camera_(camera) {}
+  /// Borrows picture and camera. `image` is grey; markers have `bits` x `bits` cells inside a border of one cell.
+  MarkerRefiner(const GrayImage& image, const PinholeCamera& camera, int bits)
+      : image_(image), camera_(camera), cells_a_side_(bits + 2) {}
 
   /// Corners in pixels, from corners that are at most `uncertainty_px` wrong, in the same order. Nothing when a side is
   /// hidden, out of the picture or not straight.
@@ -46,6 +47,7 @@ class MarkerRefiner {
 
   const GrayImage& image_;
   const PinholeCamera& camera_;
+  int cells_a_side_;
 };
 
 }  // namespace drupe

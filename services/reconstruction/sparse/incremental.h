@@ -1,0 +1,23 @@
+#pragma once
+
+#include "base/run_context.h"
+#include "base/status.h"
+#include "reconstruction/sparse/bundle_adjustment.h"
+#include "reconstruction/sparse/sfm_state.h"
+#include "reconstruction/sparse/sparse_options.h"
+
+namespace drupe {
+
+/// Adds view after view to a state that has some: the one that sees most tracks with a position comes next (paper
+/// 3.1.2 (4)), its pose from these, then new tracks, a local adjustment, and from time to time an adjustment of
+/// everything. `board_poses` place views that features cannot, in a metric state. Ends when no view can be added; those
+/// left have their reason. Errors: `cancelled`, 500 `adjustment_failed`.
+Status GrowModel(const std::vector<std::optional<Rigid3>>& board_poses, const SparseOptions& options,
+                 const RunContext& context, SfmState& state);
+
+/// The adjustments and clean-up after the last view: noise is estimated and weights follow from it, wrong observations
+/// and views with too little left go. Returns the noise that the weights rest on.
+Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrinsics, const RunContext& context,
+                                SfmState& state);
+
+}  // namespace drupe

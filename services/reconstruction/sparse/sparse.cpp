@@ -1,0 +1,96 @@
+#include "reconstruction/sparse/sparse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "geometry/sim3.h"
+#include "reconstruction/sparse/board_frame.h"
+#include "reconstruction/sparse/incremental.h"
+#include "reconstruction/sparse/initial_pair.h"
+#include "reconstruction/sparse/model_from_state.h"
+#include "reconstruction/sparse/sfm_state.h"
+
+namespace drupe {
+namespace {
+
+/// From this share of the views on, the board alone places the first ones; below, features begin and the board joins.
+constexpr double kBoardFirstShare = 0.6;
+
+Status CheckSizes(const SparseInput& input) {
+  const std::size_t views = input.image_names.size();
+  if (input.features.size() != views) {
+    return InvalidArgument("invalid_sparse_input", "features and image names differ in number");
+  }
+  if (!input.detections.empty() && input.detections.size() != views) {
+    return InvalidArgument("invalid_sparse_input", "board detections and image names differ in number");
+  }
+  if (input.tracks == nullptr || input.matches == nullptr) {
+    return InvalidArgument("invalid_sparse_input", "tracks and matches are needed");
+  }
+  for (const auto& track : input.tracks->tracks) {
+    for (const FeatureRef& ref : track) {
+      if (ref.view < 0 || ref.view >= static_cast<int>(views) || ref.keypoint >= input.features[ref.view].size()) {
+        return InvalidArgument("invalid_sparse_input", "a track names a feature that does not exist");
+      }
+    }
+  }
+  return Status::Ok();
+}
+
+int CountPoses(const std::vector<std::optional<Rigid3>>& poses) {
+  return static_cast<int>(std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
+}
+
+bool StartFromBoard(const std::vector<std::optional<Rigid3>>& board_poses, const SparseOptions& options,
+                    SfmState& state) {
+  if (CountPoses(board_poses) < options.min_board_views) return false;
+  state.poses = board_poses;
+  state.is_metric = true;
+  return true;
+}
+
+/// Places as many views as possible, by the board first where most views see it, otherwise by features.
+Status PlaceViews(const SparseInput& input, const SparseOptions& options, const RunContext& context, SfmState& state) {
+  const auto board_poses = BoardPoses(state, options, context.seed);
+  const bool board_first = CountPoses(board_poses) >= kBoardFirstShare * state.ViewCount();
+  if (!(board_first && StartFromBoard(board_poses, options, state))) {
+    const Status started = StartFromPair(*input.matches, options, context, state);
+    if (!started.ok() && (started.code() != "no_initial_pair" || !StartFromBoard(board_poses, options, state))) {
+      return started;
+    }
+  }
+  DRUPE_RETURN_IF_ERROR(GrowModel(board_poses, options, context, state));
+  if (state.is_metric || !AlignToBoard(board_poses, options, state)) return Status::Ok();
+  return GrowModel(board_poses, options, context, state);  // the board may now place what features could not
+}
+
+Status CheckRegistered(const SfmState& state, const SparseOptions& options) {
+  const int registered = state.RegisteredCount();
+  if (registered >= options.min_registered_share * state.ViewCount() && registered >= 2) return Status::Ok();
+  return Unprocessable("too_few_registered",
+                       "only " + std::to_string(registered) + " of " + std::to_string(state.ViewCount()) +
+                           " pictures could be placed; turn the table in smaller steps (10 degrees or less), keep the "
+                           "board in view and unhidden, cover the still background, and check focus, exposure and that "
+                           "the table has stopped when the camera fires");
+}
+
+}  // namespace
+
+Result<SparseModel> RunSparse(const SparseInput& input, const SparseOptions& options, const RunContext& context) {
+  DRUPE_RETURN_IF_ERROR(options.Check());
+  DRUPE_RETURN_IF_ERROR(CheckSizes(input));
+  context.Report("sparse", 0);
+  SfmState state = MakeSfmState(input);
+  DRUPE_RETURN_IF_ERROR(PlaceViews(input, options, context, state));
+  DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));
+  DRUPE_ASSIGN_OR_RETURN(const NoiseLevels noise, FinishModel(options, input.refine_intrinsics, context, state));
+  DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));
+  if (!state.is_metric) NormaliseFrame(state);
+  SparseModel model = ModelFromState(input, state);
+  if (state.is_metric) model.scale_relative_sigma = ScaleRelativeSigma(state, noise.board_px);
+  context.Report("sparse", 1);
+  return model;
+}
+
+}  // namespace drupe
