@@ -3,6 +3,9 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
+
+#include "base/status.h"
 
 namespace drupe {
 
@@ -18,6 +21,10 @@ class Clock {
 
 /// "2026-11-21T10:15:30.123Z"
 std::string FormatUtc(std::int64_t unix_ms);
+
+/// Reads what FormatUtc writes, with or without the fraction, or a day alone ("2026-11-21"): milliseconds since
+/// 1970-01-01T00:00:00Z. Errors: 400 `invalid_time`.
+Result<std::int64_t> ParseUtc(std::string_view text);
 
 /// Wall and CPU time since construction, for timings.json. CPU is that of the whole process, over all threads.
 class Stopwatch {
