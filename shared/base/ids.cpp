@@ -38,7 +38,7 @@ Status CheckImageName(std::string_view name) {
                      std::all_of(name.begin(), name.end(), IsNameCharacter);
   if (valid) return Status::Ok();
   return InvalidArgument("invalid_name",
-                         "an image name has 1 to 128 characters of A-Z a-z 0-9 . _ - and does not start with a dot",
+                         "an image name has 1 to 128 characters of [A-Za-z0-9._-] and does not start with a dot",
                          "name");
 }
 

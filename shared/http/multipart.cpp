@@ -109,7 +109,8 @@ Status MultipartParser::Feed(std::string_view bytes) {
 }
 
 Status MultipartParser::Finish() const {
-  return state_ == State::kEpilogue ? Status::Ok() : Malformed("the closing boundary is missing");
+  if (state_ != State::kEpilogue) return Malformed("the closing boundary is missing");
+  return parts_ > 0 ? Status::Ok() : Malformed("it has no parts");
 }
 
 Status MultipartParser::Step(bool& progressed) {

@@ -129,6 +129,7 @@ TEST(Multipart, MalformedPartsAreRefused) {
       "--B0\r\nno colon\r\n\r\nv\r\n--B0--",
       "--B0garbage\r\nContent-Disposition: form-data; name=\"x\"\r\n\r\nv\r\n--B0--",
       "nothing at all",
+      "--B0--\r\n",
   };
   for (const std::string& body : bodies) {
     CollectingSink sink;
