@@ -1,0 +1,165 @@
+#include "scene/sparse_export.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include "scene/text_writer.h"
+#include "scene/zip_writer.h"
+
+namespace drupe {
+namespace {
+
+constexpr double kColmapPixelCentre = 0.5;  // COLMAP's first pixel has its centre at (0.5, 0.5), ours at (0, 0)
+
+/// COLMAP's OPENCV model, or FULL_OPENCV where the third radial coefficient is needed.
+std::string ColmapCameras(const PinholeCamera& camera) {
+  const bool is_full = camera.dist[4] != 0;
+  TextWriter text;
+  text.Add("1").Add(is_full ? "FULL_OPENCV" : "OPENCV").Add(camera.width).Add(camera.height);
+  text.Add(camera.fx).Add(camera.fy).Add(camera.cx + kColmapPixelCentre).Add(camera.cy + kColmapPixelCentre);
+  for (int i = 0; i < 4; ++i) text.Add(camera.dist[i]);
+  if (is_full) text.Add(camera.dist[4]).Add(0).Add(0).Add(0);
+  return text.EndLine().Take();
+}
+
+/// One observation of a track, by view.
+struct SeenTrack {
+  std::size_t track;
+  Eigen::Vector2f pixel;
+};
+
+/// Per view what it sees, in the order of the tracks: the numbering that images.txt and points3D.txt share.
+std::vector<std::vector<SeenTrack>> TracksByView(const SparseModel& model) {
+  std::vector<std::vector<SeenTrack>> seen(model.views.size());
+  for (std::size_t t = 0; t < model.tracks.size(); ++t) {
+    for (const Observation& observation : model.tracks[t].observations) {
+      seen[observation.view].push_back({t, observation.pixel});
+    }
+  }
+  return seen;
+}
+
+/// Ids count from 1.
+std::string ColmapImages(const SparseModel& model) {
+  const auto seen = TracksByView(model);
+  TextWriter text;
+  for (std::size_t v = 0; v < model.views.size(); ++v) {
+    const View& view = model.views[v];
+    if (!view.cam_from_world) continue;
+    const Eigen::Quaterniond q(view.cam_from_world->rotation);
+    const Eigen::Vector3d& t = view.cam_from_world->translation;
+    text.Add(v + 1).Add(q.w()).Add(q.x()).Add(q.y()).Add(q.z()).Add(t.x()).Add(t.y()).Add(t.z());
+    text.Add(1).Add(view.image).EndLine();
+    for (const SeenTrack& point : seen[v]) {
+      text.Add(point.pixel.x() + static_cast<float>(kColmapPixelCentre));
+      text.Add(point.pixel.y() + static_cast<float>(kColmapPixelCentre)).Add(point.track + 1);
+    }
+    text.EndLine();
+  }
+  return text.Take();
+}
+
+std::string ColmapPoints(const SparseModel& model) {
+  std::vector<std::size_t> next_index(model.views.size(), 0);
+  TextWriter text;
+  for (std::size_t t = 0; t < model.tracks.size(); ++t) {
+    const Track& track = model.tracks[t];
+    text.Add(t + 1).Add(track.position.x()).Add(track.position.y()).Add(track.position.z());
+    for (int c = 0; c < 3; ++c) text.Add(static_cast<int>(track.colour[c]));
+    text.Add(track.mean_reprojection_error_px);
+    for (const Observation& observation : track.observations) {
+      text.Add(observation.view + 1).Add(next_index[observation.view]++);
+    }
+    text.EndLine();
+  }
+  return text.Take();
+}
+
+/// Numbers of the registered views in the NVM file, -1 for others.
+std::vector<int> RegisteredNumbers(const SparseModel& model) {
+  std::vector<int> numbers;
+  int next = 0;
+  for (const View& view : model.views) numbers.push_back(view.cam_from_world ? next++ : -1);
+  return numbers;
+}
+
+void AddNvmPoint(const SparseModel& model, const Track& track, const std::vector<int>& numbers, double focal,
+                 TextWriter& text) {
+  text.Add(track.position.x()).Add(track.position.y()).Add(track.position.z());
+  for (int c = 0; c < 3; ++c) text.Add(static_cast<int>(track.colour[c]));
+  text.Add(track.observations.size());
+  for (const Observation& observation : track.observations) {
+    const Eigen::Vector2d xy = model.camera.NormalisedFromPixel(observation.pixel.cast<double>());
+    text.Add(numbers[observation.view]).Add(observation.keypoint);
+    text.Add(static_cast<float>(focal * xy.x())).Add(static_cast<float>(focal * xy.y()));
+  }
+  text.EndLine();
+}
+
+/// Bilinear value of a channel; the pixel is clamped into the picture.
+double SampleChannel(const RgbImage& image, const Eigen::Vector2f& pixel, int channel) {
+  const double x = std::clamp<double>(pixel.x(), 0, image.width() - 1),
+               y = std::clamp<double>(pixel.y(), 0, image.height() - 1);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, image.width() - 1), y1 = std::min(y0 + 1, image.height() - 1);
+  const double fx = x - x0, fy = y - y0;
+  return (image.At(x0, y0, channel) * (1 - fx) + image.At(x1, y0, channel) * fx) * (1 - fy) +
+         (image.At(x0, y1, channel) * (1 - fx) + image.At(x1, y1, channel) * fx) * fy;
+}
+
+}  // namespace
+
+std::string SparsePly(const SparseModel& model) {
+  std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(model.tracks.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+                    "property uchar blue\nend_header\n";
+  constexpr std::size_t kVertexBytes = 3 * sizeof(float) + 3;
+  ply.reserve(ply.size() + kVertexBytes * model.tracks.size());
+  for (const Track& track : model.tracks) {
+    char vertex[kVertexBytes];
+    const Eigen::Vector3f position = track.position.cast<float>();
+    std::memcpy(vertex, position.data(), 3 * sizeof(float));
+    std::memcpy(vertex + 3 * sizeof(float), track.colour.data(), 3);
+    ply.append(vertex, kVertexBytes);
+  }
+  return ply;
+}
+
+Result<std::string> ColmapZip(const SparseModel& model) {
+  return WriteZip({{"cameras.txt", ColmapCameras(model.camera)},
+                   {"images.txt", ColmapImages(model)},
+                   {"points3D.txt", ColmapPoints(model)}});
+}
+
+std::string Nvm(const SparseModel& model) {
+  const double focal = 0.5 * (model.camera.fx + model.camera.fy);
+  const std::vector<int> numbers = RegisteredNumbers(model);
+  TextWriter text;
+  text.Add("NVM_V3").EndLine().EndLine().Add(model.RegisteredCount()).EndLine();
+  for (const View& view : model.views) {
+    if (!view.cam_from_world) continue;
+    const Eigen::Quaterniond q(view.cam_from_world->rotation);
+    const Eigen::Vector3d centre = view.cam_from_world->Centre();
+    text.Add(view.image).Add(focal).Add(q.w()).Add(q.x()).Add(q.y()).Add(q.z());
+    text.Add(centre.x()).Add(centre.y()).Add(centre.z()).Add(0).Add(0).EndLine();
+  }
+  text.EndLine().Add(model.tracks.size()).EndLine();
+  for (const Track& track : model.tracks) AddNvmPoint(model, track, numbers, focal, text);
+  return text.EndLine().Add(0).EndLine().Take();
+}
+
+void ColourTracks(SparseModel& model, int view, const RgbImage& image) {
+  for (Track& track : model.tracks) {
+    if (track.observations.empty()) continue;
+    const Observation& middle = track.observations[track.observations.size() / 2];
+    if (middle.view != view) continue;
+    for (int c = 0; c < 3; ++c) {
+      const double value = SampleChannel(image, middle.pixel, std::min(c, image.channels() - 1));
+      track.colour[c] = static_cast<std::uint8_t>(value + 0.5);
+    }
+  }
+}
+
+}  // namespace drupe
