@@ -1,0 +1,91 @@
+#include "reconstruction/matching/matching.h"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "base/parallel.h"
+#include "reconstruction/matching/pair_matcher.h"
+#include "reconstruction/matching/prepared_picture.h"
+#include "reconstruction/matching/static_features.h"
+
+namespace drupe {
+namespace {
+
+Status CheckRange(bool ok, const char* field, const char* range) {
+  if (ok) return Status::Ok();
+  return InvalidArgument("invalid_options", std::string(field) + " must be " + range, field);
+}
+
+Status CheckPairs(const ViewClusters& clusters, std::size_t image_count) {
+  for (const ImagePair& pair : clusters.pairs) {
+    if (pair.first >= 0 && pair.first < pair.second && pair.second < static_cast<int>(image_count)) continue;
+    return InvalidArgument("invalid_pair", "the pair " + std::to_string(pair.first) + ", " +
+                                               std::to_string(pair.second) + " is not one of two pictures of the set");
+  }
+  return Status::Ok();
+}
+
+/// Different for every pair, the same in every run.
+std::uint64_t SeedOf(std::uint64_t seed, const ImagePair& pair) {
+  return seed * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(pair.first) * 0x100000001B3u +
+         static_cast<std::uint64_t>(pair.second);
+}
+
+Result<std::vector<std::vector<std::uint8_t>>> StaticOrNone(std::span<const Features> features,
+                                                            const MatchingOptions& options, const RunContext& context) {
+  if (options.drop_static) {
+    return FindStaticFeatures(features, options.static_radius_px, options.static_min_share, context);
+  }
+  std::vector<std::vector<std::uint8_t>> none;
+  for (const Features& picture : features) none.emplace_back(picture.size(), 0);
+  return none;
+}
+
+}  // namespace
+
+Status MatchingOptions::Check() const {
+  DRUPE_RETURN_IF_ERROR(CheckRange(max_ratio > 0 && max_ratio <= 1, "max_ratio", "above 0 and up to 1"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(max_error_px > 0 && max_error_px <= 100, "max_error_px", "above 0 and up to 100"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(confidence > 0 && confidence < 1, "confidence", "between 0 and 1"));
+  DRUPE_RETURN_IF_ERROR(
+      CheckRange(max_iterations >= 1 && max_iterations <= 1'000'000, "max_iterations", "1 to 1000000"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(min_inliers >= 5, "min_inliers", "5 or more"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(exhaustive_features >= 0, "exhaustive_features", "0 or more"));
+  DRUPE_RETURN_IF_ERROR(
+      CheckRange(guided_max_ratio > 0 && guided_max_ratio <= 1, "guided_max_ratio", "above 0 and up to 1"));
+  DRUPE_RETURN_IF_ERROR(
+      CheckRange(static_radius_px > 0 && static_radius_px <= 100, "static_radius_px", "above 0 and up to 100"));
+  return CheckRange(static_min_share > 0 && static_min_share <= 1, "static_min_share", "above 0 and up to 1");
+}
+
+Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
+                               const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context) {
+  DRUPE_RETURN_IF_ERROR(options.Check());
+  DRUPE_RETURN_IF_ERROR(CheckPairs(clusters, features.size()));
+  MatchGraph graph;
+  DRUPE_ASSIGN_OR_RETURN(graph.is_static, StaticOrNone(features, options, context));
+  std::vector<PreparedPicture> pictures(features.size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t i) {
+    pictures[i] =
+        PreparedPicture(features[i], graph.is_static[i], camera, options.exhaustive_features, 8 * options.max_error_px);
+  }));
+  std::vector<std::optional<TwoViewMatches>> matched(clusters.pairs.size());
+  const double focal_px = 0.5 * (camera.fx + camera.fy);
+  std::mutex mutex;
+  std::size_t done = 0;  // guarded by mutex
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, clusters.pairs.size(), [&](std::size_t i) {
+    const ImagePair& pair = clusters.pairs[i];
+    matched[i] =
+        MatchPair(pictures[pair.first], pictures[pair.second], pair, focal_px, options, SeedOf(context.seed, pair));
+    const std::lock_guard lock(mutex);
+    context.Report("matching", static_cast<double>(++done) / static_cast<double>(matched.size()));
+  }));
+  for (std::optional<TwoViewMatches>& pair : matched) {
+    if (pair) graph.pairs.push_back(std::move(*pair));
+  }
+  return graph;
+}
+
+}  // namespace drupe

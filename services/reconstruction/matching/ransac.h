@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <span>
+
+#include "reconstruction/matching/epipolar.h"
+
+namespace drupe {
+
+/// `kCount` different numbers below `size`, size >= kCount. Plain remainders: the same on every standard library.
+template <int kCount>
+std::array<std::size_t, kCount> DrawDistinct(std::size_t size, std::mt19937_64& random) {
+  std::array<std::size_t, kCount> drawn;
+  for (int i = 0; i < kCount; ++i) {
+    bool repeated = true;
+    while (repeated) {
+      drawn[i] = random() % size;
+      repeated = false;
+      for (int j = 0; j < i; ++j) repeated |= drawn[j] == drawn[i];
+    }
+  }
+  return drawn;
+}
+
+/// Samples needed to draw one without outliers with probability `confidence`.
+inline double RequiredIterations(std::size_t inliers, std::size_t size, int sample, double confidence) {
+  const double good = std::pow(static_cast<double>(inliers) / static_cast<double>(size), sample);
+  if (good >= 1) return 1;
+  if (good <= 0) return std::numeric_limits<double>::infinity();
+  return std::log(1 - confidence) / std::log1p(-good);
+}
+
+/// MSAC's cost of a model and the number of its inliers.
+struct Score {
+  double cost = std::numeric_limits<double>::infinity();
+  std::size_t inliers = 0;
+};
+
+/// Sum of squared Sampson distances, each at most max_error^2. Stops early beyond `give_up`.
+inline Score ScoreEpipolar(const Eigen::Matrix3d& e, std::span<const PointPair> pairs, double max_error,
+                           double give_up) {
+  const double limit = max_error * max_error;
+  Score score{0, 0};
+  for (const PointPair& pair : pairs) {
+    const double squared = SquaredSampson(e, pair);
+    if (squared < limit) ++score.inliers;
+    score.cost += squared < limit ? squared : limit;
+    if (score.cost > give_up) break;
+  }
+  return score;
+}
+
+}  // namespace drupe

@@ -1,0 +1,77 @@
+#include "reconstruction/matching/static_features.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "reconstruction/matching/keypoint_grid.h"
+#include "reconstruction/matching/nearest.h"
+
+namespace drupe {
+namespace {
+
+constexpr int kMaxCompared = 12;
+/// Fewer coincidences than this prove nothing.
+constexpr int kMinCoincidences = 3;
+/// The same look: |a - b|^2 of two descriptors of squared norm 512^2, and their ratio of scales.
+constexpr std::int32_t kSameLook = 512 * 512 / 5;
+constexpr float kSameScale = 1.3f;
+
+std::vector<Eigen::Vector2f> Positions(const Features& features) {
+  std::vector<Eigen::Vector2f> positions;
+  positions.reserve(features.size());
+  for (const Keypoint& keypoint : features.keypoints) positions.emplace_back(keypoint.x, keypoint.y);
+  return positions;
+}
+
+bool LooksTheSame(const Features& a, std::size_t i, const Features& b, std::size_t j) {
+  const float ratio = a.keypoints[i].scale_px / b.keypoints[j].scale_px;
+  return ratio < kSameScale && ratio * kSameScale > 1 && SquaredDistance(a.Descriptor(i), b.Descriptor(j)) < kSameLook;
+}
+
+/// True when `other` has the feature `i` of `features` in the same place.
+bool IsFoundIn(const Features& features, std::size_t i, const Features& other, const KeypointGrid& grid, float radius) {
+  const Keypoint& here = features.keypoints[i];
+  const Eigen::Vector2f place(here.x, here.y);
+  bool found = false;
+  grid.VisitBox(place.array() - radius, place.array() + radius, [&](std::uint32_t j) {
+    const Keypoint& there = other.keypoints[j];
+    found = found || (std::hypot(there.x - here.x, there.y - here.y) <= radius && LooksTheSame(features, i, other, j));
+  });
+  return found;
+}
+
+/// The pictures with which picture `image` is compared, evenly spread over the set.
+std::vector<std::size_t> ComparedWith(std::size_t image, std::size_t count) {
+  const std::size_t compared = std::min<std::size_t>(kMaxCompared, count - 1);
+  std::vector<std::size_t> others;
+  for (std::size_t k = 1; k <= compared; ++k) others.push_back((image + k * count / (compared + 1)) % count);
+  return others;
+}
+
+}  // namespace
+
+Result<std::vector<std::vector<std::uint8_t>>> FindStaticFeatures(std::span<const Features> features, double radius_px,
+                                                                  double min_share, const RunContext& context) {
+  const auto radius = static_cast<float>(radius_px);
+  std::vector<KeypointGrid> grids(features.size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t image) {
+    grids[image] = KeypointGrid(Positions(features[image]), 4 * radius);
+  }));
+  std::vector<std::vector<std::uint8_t>> is_static(features.size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t image) {
+    const std::vector<std::size_t> others = ComparedWith(image, features.size());
+    const int required = std::max(kMinCoincidences, static_cast<int>(std::ceil(min_share * others.size())));
+    is_static[image].assign(features[image].size(), 0);
+    for (std::size_t i = 0; i < features[image].size(); ++i) {
+      int found = 0;
+      for (const std::size_t other : others) {
+        found += IsFoundIn(features[image], i, features[other], grids[other], radius) ? 1 : 0;
+      }
+      is_static[image][i] = found >= required ? 1 : 0;
+    }
+  }));
+  return is_static;
+}
+
+}  // namespace drupe
