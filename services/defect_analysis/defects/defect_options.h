@@ -22,8 +22,7 @@ struct SegmentationOptions {
 /// Grouping of defect points into defects (paper 4.2, Figure 12 c).
 struct ClusterOptions {
   double min_area_mm2 = 0.35;      ///< smaller patches (lenticels, noise) are no defects
-  double min_share = 0.4;          ///< of a patch's points that must be significant
-  double merge_distance_mm = 0.3;  ///< patches of one colour class closer than this are one defect
+  double merge_distance_mm = 0.3;  ///< patches closer than this are one defect
   int max_defects = 500;           ///< reported for one fruit at most, largest first
 
   Status Check() const;

@@ -1,0 +1,61 @@
+#include "defect_analysis/defects/classify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace drupe {
+namespace {
+
+// How surely `value` is on its side of `threshold`: 0.5 on it, 0.95 a factor of e^(1/2) away.
+double Sureness(double value, double threshold) {
+  const double margin = std::abs(std::log(std::max(1e-6, value) / threshold));
+  return 1 / (1 + std::exp(-6 * margin));
+}
+
+double SurenessOfDifference(double value, double threshold, double scale) {
+  return 1 / (1 + std::exp(-3 * std::abs(value - threshold) / scale));
+}
+
+}  // namespace
+
+DefectShape ShapeOf(const Polygon& polygon, double area_mm2, double lightness_step) {
+  const Eigen::Vector2d centre = Centroid(polygon);
+  Eigen::Matrix2d moment = Eigen::Matrix2d::Zero();
+  double area = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d a = polygon[i] - centre;
+    const Eigen::Vector2d b = polygon[(i + 1) % polygon.size()] - centre;
+    const double cross = a.x() * b.y() - a.y() * b.x();
+    moment += cross * (a * a.transpose() + b * b.transpose() + (a + b) * (a + b).transpose()) / 24;
+    area += cross / 2;
+  }
+  moment /= area;
+  // The moments' eigenvalues in closed form; four times their root is a full axis of the ellipse.
+  const double mean = moment.trace() / 2;
+  const double spread = std::sqrt(std::max(0.0, mean * mean - moment.determinant()));
+  const double length = 4 * std::sqrt(mean + spread);
+  const double width = 4 * std::sqrt(std::max(1e-12, mean - spread));
+  DefectShape shape{.area_mm2 = area_mm2, .lightness_step = lightness_step};
+  shape.elongation = length / width;
+  shape.width_mm = area_mm2 / (length * std::numbers::pi / 4);
+  return shape;
+}
+
+Classification Classify(const DefectShape& shape, const ClassOptions& options) {
+  const double elongated = Sureness(shape.elongation, options.elongated_min);
+  if (shape.elongation < options.elongated_min) {
+    const bool decay = shape.area_mm2 >= options.decay_min_area_mm2;
+    const double size = Sureness(shape.area_mm2, options.decay_min_area_mm2);
+    return {decay ? DefectClass::kDecay : DefectClass::kRainSpot, std::min(elongated, size)};
+  }
+  const bool narrow = shape.width_mm < options.crack_max_width_mm;
+  const bool dark = shape.lightness_step < options.crack_max_lightness;
+  const double width = Sureness(shape.width_mm, options.crack_max_width_mm);
+  const double darkness = SurenessOfDifference(shape.lightness_step, options.crack_max_lightness, 10);
+  if (narrow && dark) return {DefectClass::kCrack, std::min({elongated, width, darkness})};
+  const double not_crack = std::max(narrow ? 0.5 : width, dark ? 0.5 : darkness);
+  return {DefectClass::kScar, std::min(elongated, not_crack)};
+}
+
+}  // namespace drupe

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "defect_analysis/defects/contour.h"
+#include "defect_analysis/defects/defect_options.h"
+#include "scene/report.h"
+
+namespace drupe {
+
+/// What a class is decided by.
+struct DefectShape {
+  double area_mm2 = 0;
+  double elongation = 1;      ///< length / width of the ellipse with the contour's second moments; 1 for a disc
+  double width_mm = 0;        ///< area / length of the contour's long axis
+  double lightness_step = 0;  ///< L of the defect minus L of the skin about it
+};
+
+/// Elongation and width from the polygon's second moments on the flat map; the rest is copied.
+DefectShape ShapeOf(const Polygon& polygon, double area_mm2, double lightness_step);
+
+struct Classification {
+  DefectClass defect_class = DefectClass::kRainSpot;
+  double confidence = 0;  ///< 0.5 at a threshold, rising to 1 away from it
+};
+
+/// Rain spot: compact and small. Decay: compact and large. Crack: elongated, narrow and dark. Scar: elongated otherwise
+/// (paper 2.1).
+Classification Classify(const DefectShape& shape, const ClassOptions& options);
+
+}  // namespace drupe

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "base/run_context.h"
+#include "base/status.h"
+#include "defect_analysis/defects/defect_options.h"
+#include "scene/fruit_cloud.h"
+#include "scene/report.h"
+
+namespace drupe {
+
+/// All defects of one fruit, largest first, numbered from 1 (paper 4.2 and 4.3): healthy colour removed, colours
+/// segmented, significant cells grouped into patches, each patch's boundary traced at the half-way colour and measured.
+/// Lengths in mm as in FruitCloud. An intact fruit gives none. Errors: `cancelled`, 422 `too_few_directions`.
+Result<std::vector<Defect>> FindDefects(const FruitCloud& fruit, const DefectOptions& options,
+                                        const RunContext& context);
+
+}  // namespace drupe

@@ -1,0 +1,168 @@
+#include "defect_analysis/defects/measure_defect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "defect_analysis/defects/classify.h"
+#include "defect_analysis/defects/plane_fit.h"
+
+namespace drupe {
+namespace {
+
+constexpr int kMaxReportedContour = 400;  // points of contour_mm
+constexpr int kMostControlPoints = 160;
+constexpr double kSplineTolerance = 0.15;  // of the points' spacing: rms beyond which control points are doubled
+
+// Area of skin inside a polygon of the chart: the triangles of a fan about its centroid, each with the area scale of
+// its middle; signs make it right for polygons that are not star-shaped too.
+double AreaOnSkin(const SkinChart& chart, const Polygon& polygon) {
+  const Eigen::Vector2d centre = Centroid(polygon);
+  double area = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d a = polygon[i] - centre;
+    const Eigen::Vector2d b = polygon[(i + 1) % polygon.size()] - centre;
+    area += (a.x() * b.y() - a.y() * b.x()) / 2 * chart.AreaScale(centre + (a + b) / 3);
+  }
+  return area;
+}
+
+// Resampling with a Gauss kernel of variance s^2 moves the half-way level inwards by curvature * s^2 / 2 (motion by
+// mean curvature), which takes pi s^2 off the area of any closed curve, since its curvature adds up to 2 pi. Given back
+// by growing the polygon about its centroid.
+Polygon UndoShrinkage(Polygon polygon, double blur) {
+  const double area = SignedArea(polygon);
+  const double growth = std::sqrt(1 + std::min(0.5, std::numbers::pi * blur * blur / area));
+  const Eigen::Vector2d centre = Centroid(polygon);
+  for (Eigen::Vector2d& p : polygon) p = centre + growth * (p - centre);
+  return polygon;
+}
+
+// The paper's ten control points suit round spots; longer shapes get more until the spline follows their boundary.
+Result<ClosedSpline> FitContour(const Polygon& polygon, const ContourOptions& options, double tolerance) {
+  int count = options.control_points;
+  Result<ClosedSpline> spline = ClosedSpline::Fit(polygon, count, options.degree);
+  while (spline.ok() && spline->rms() > tolerance && 2 * count <= kMostControlPoints &&
+         2 * count <= static_cast<int>(polygon.size()) / 2) {
+    count *= 2;
+    spline = ClosedSpline::Fit(polygon, count, options.degree);
+  }
+  return spline;
+}
+
+std::vector<Eigen::Vector3d> OnSkin(const SkinChart& chart, const Polygon& polygon) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(polygon.size());
+  for (const Eigen::Vector2d& p : polygon) points.push_back(chart.PointFromFlat(p));
+  return points;
+}
+
+bool Contains(const Polygon& polygon, const Eigen::Vector2d& p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[j];
+    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+  }
+  return inside;
+}
+
+// The cloud's points inside the boundary, through the cells under the field's nodes.
+std::vector<std::uint32_t> PointsInside(const FruitCloud& fruit, const SkinMap& map, const TransitionField& field,
+                                        const Polygon& polygon) {
+  std::vector<std::int32_t> cells;
+  const int stride = std::max(1, static_cast<int>(0.3 * map.CellSize() / field.step));
+  for (int row = 0; row < field.height; row += stride) {
+    for (int column = 0; column < field.width; column += stride) {
+      const Eigen::Vector3d direction = field.chart.DirectionFromFlat(field.FlatOf(column, row));
+      cells.push_back(map.map().CellOf(direction.cast<float>()));
+    }
+  }
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  std::vector<std::uint32_t> inside;
+  for (const std::int32_t cell : cells) {
+    for (const std::uint32_t i : map.PointsOf(cell)) {
+      if (Contains(polygon, field.chart.FlatFromDirection(fruit.offsets[i].cast<double>()))) inside.push_back(i);
+    }
+  }
+  std::sort(inside.begin(), inside.end());
+  return inside;
+}
+
+double LevelAt(const TransitionField& field, const Eigen::Vector2d& flat) {
+  const Eigen::Vector2d place = (flat - field.origin) / field.step;
+  const int column = std::clamp(static_cast<int>(place.x()), 0, field.width - 2);
+  const int row = std::clamp(static_cast<int>(place.y()), 0, field.height - 2);
+  const double x = std::clamp(place.x() - column, 0.0, 1.0), y = std::clamp(place.y() - row, 0.0, 1.0);
+  const float* node = &field.level[static_cast<std::size_t>(row) * field.width + column];
+  return (1 - y) * ((1 - x) * node[0] + x * node[1]) + y * ((1 - x) * node[field.width] + x * node[field.width + 1]);
+}
+
+// Standard uncertainty of the area: the noise of the colours moves each independent piece of the boundary, and the
+// curvature correction is trusted to a third.
+double AreaUncertainty(const TransitionField& field, const Polygon& boundary, double perimeter) {
+  double slope = 0;
+  const double step = field.blur;
+  for (const Eigen::Vector2d& p : boundary) {
+    const double dx = LevelAt(field, p + Eigen::Vector2d(step, 0)) - LevelAt(field, p - Eigen::Vector2d(step, 0));
+    const double dy = LevelAt(field, p + Eigen::Vector2d(0, step)) - LevelAt(field, p - Eigen::Vector2d(0, step));
+    slope += std::hypot(dx, dy) / (2 * step) / static_cast<double>(boundary.size());
+  }
+  const double piece =
+      2 * std::sqrt(std::numbers::pi) * field.blur;  // length over which the kernel ties nodes together
+  const double level_noise = field.noise * field.spacing / piece + 0.02;
+  const double shift = level_noise / std::max(0.05, slope);
+  const double random = perimeter * shift / std::sqrt(std::max(1.0, perimeter / piece));
+  const double systematic = std::numbers::pi * field.blur * field.blur / 3;
+  return std::hypot(random, systematic);
+}
+
+void MeasurePoints(const FruitCloud& fruit, const std::vector<std::uint32_t>& inside, const PlaneOptions& options,
+                   std::uint64_t seed, Defect& defect) {
+  std::vector<Eigen::Vector3d> points;
+  for (const std::uint32_t i : inside) {
+    points.push_back(fruit.surface.centre() + fruit.offsets[i].cast<double>());
+    defect.mean_lab += fruit.lab[i].cast<double>() / static_cast<double>(inside.size());
+  }
+  defect.points = static_cast<int>(inside.size());
+  const Result<DefectPlane> plane = FitDefectPlane(points, defect.normal, fruit.noise_mm, options, seed);
+  // Too few points for a plane of their own: the skin's tangent plane.
+  defect.plane =
+      plane.ok() ? *plane : DefectPlane{.normal = defect.normal, .offset_mm = defect.normal.dot(defect.centre_mm)};
+}
+
+std::vector<Eigen::Vector3d> Thin(const std::vector<Eigen::Vector3d>& curve) {
+  const std::size_t step = (curve.size() + kMaxReportedContour - 1) / kMaxReportedContour;
+  std::vector<Eigen::Vector3d> thinned;
+  for (std::size_t i = 0; i < curve.size(); i += step) thinned.push_back(curve[i]);
+  return thinned;
+}
+
+}  // namespace
+
+std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map, const TransitionField& field,
+                                    const Polygon& boundary, const DefectOptions& options, std::uint64_t seed) {
+  const Polygon polygon = UndoShrinkage(boundary, field.blur);
+  const Result<ClosedSpline> spline = FitContour(polygon, options.contour, kSplineTolerance * field.spacing);
+  if (!spline.ok()) return std::nullopt;
+  const std::vector<Eigen::Vector3d> curve = OnSkin(field.chart, spline->Sample(options.contour.sampling_density));
+  const Eigen::Vector3d direction = field.chart.DirectionFromFlat(Centroid(polygon));
+  Defect defect;
+  defect.centre_mm = fruit.surface.PointAt(direction);
+  defect.normal = fruit.surface.NormalAt(direction);
+  defect.area_mm2 = AreaOnSkin(field.chart, polygon);
+  defect.perimeter_mm = ClosedLength(curve);
+  defect.area_uncertainty_mm2 = AreaUncertainty(field, boundary, defect.perimeter_mm);
+  MeasurePoints(fruit, PointsInside(fruit, map, field, polygon), options.plane, seed, defect);
+  defect.planar_area_mm2 = HeronArea(curve, defect.plane.normal);
+  defect.roundness = 4 * std::numbers::pi * defect.area_mm2 / (defect.perimeter_mm * defect.perimeter_mm);
+  defect.contour_mm = Thin(curve);
+  const DefectShape shape = ShapeOf(polygon, defect.area_mm2, field.defect_lab[0] - field.healthy_lab[0]);
+  const Classification found = Classify(shape, options.classes);
+  defect.defect_class = found.defect_class;
+  defect.confidence = found.confidence;
+  return defect;
+}
+
+}  // namespace drupe

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/cube_map.h"
+#include "scene/fruit_cloud.h"
+
+namespace drupe {
+
+/// A fruit's points sorted into cells of directions about its centre, so that neighbours on the skin are found without
+/// a search tree: about two points a cell, whatever the cloud's density.
+class SkinMap {
+ public:
+  explicit SkinMap(const FruitCloud& fruit);
+
+  const CubeMap& map() const { return map_; }
+  int size() const { return map_.size(); }
+  /// Indices of a cell's points in the fruit's cloud, ascending.
+  std::span<const std::uint32_t> PointsOf(int cell) const {
+    return {order_.data() + first_[cell], order_.data() + first_[cell + 1]};
+  }
+  int CountOf(int cell) const { return static_cast<int>(first_[cell + 1] - first_[cell]); }
+  /// Area of the skin in a cell, mm2.
+  float AreaOf(int cell) const { return area_[cell]; }
+  /// Distance between the middles of neighbouring cells, mm, on average.
+  double CellSize() const { return cell_size_; }
+  /// The four cells that share an edge with a cell, and the four that share a corner only.
+  std::span<const std::int32_t, 8> NeighboursOf(int cell) const {
+    return std::span<const std::int32_t, 8>(neighbours_.data() + 8 * static_cast<std::size_t>(cell), 8);
+  }
+
+ private:
+  void SortPoints(const FruitCloud& fruit);
+  void MeasureCells(const FruitSurface& surface);
+
+  CubeMap map_;
+  std::vector<std::uint32_t> first_;  ///< where each cell's points begin in order_; size() + 1 values
+  std::vector<std::uint32_t> order_;
+  std::vector<float> area_;
+  std::vector<std::int32_t> neighbours_;
+  double cell_size_ = 0;
+};
+
+}  // namespace drupe
