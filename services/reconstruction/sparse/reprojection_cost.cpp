@@ -28,17 +28,17 @@ struct Transformed {
     return jacobian;
   }
 
-  /// d(in_cam)/d(x, y, z, w, translation), of the form w^2 x - (v.v) x + 2 v (v.x) + 2 w (v cross x), which agrees with
-  /// the rotation on unit quaternions; the manifold keeps them unit.
+  /// d(in_cam)/d(x, y, z, w, translation) of x + 2 w (v cross x) + 2 v (v.x) - 2 (v.v) x, which is the rotation on unit
+  /// quaternions; the manifold keeps them unit.
   Eigen::Matrix<double, 3, kPoseSize> ByPose() const {
     Eigen::Matrix<double, 3, kPoseSize> jacobian;
-    Eigen::Matrix3d by_v = 2 * (v * x.transpose() - x * v.transpose());
+    Eigen::Matrix3d by_v = 2 * v * x.transpose() - 4 * x * v.transpose();
     by_v.diagonal().array() += 2 * v.dot(x);
     by_v(0, 1) += 2 * w * x.z(), by_v(0, 2) -= 2 * w * x.y();
     by_v(1, 0) -= 2 * w * x.z(), by_v(1, 2) += 2 * w * x.x();
     by_v(2, 0) += 2 * w * x.y(), by_v(2, 1) -= 2 * w * x.x();
     jacobian.leftCols<3>() = by_v;
-    jacobian.col(3) = 2 * (w * x + v.cross(x));
+    jacobian.col(3) = 2 * v.cross(x);
     jacobian.rightCols<3>().setIdentity();
     return jacobian;
   }
