@@ -13,6 +13,9 @@ set(DRUPE_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread
 # One binary runs on any x86-64 or arm64, so nothing here names a CPU: vector code chooses its instructions at run
 # time through Highway. -march=native would also change Eigen's alignment against Debian's Ceres and PCL.
 add_compile_options(-Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  add_compile_options(-Wno-restrict)  # GCC 12 warns of "text" + std::to_string(n), wrongly (GCC bug 105651)
+endif()
 if(DRUPE_WARNINGS_AS_ERRORS)
   add_compile_options(-Werror)
 endif()
