@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "base/files.h"
+
 namespace drupe {
 namespace {
 
@@ -134,6 +136,33 @@ TEST(CalibrateTest, FindsTheTrueCamera) {
   EXPECT_LT(std::abs(found.fx - truth.fx), 5 * result->sigma.fx);
   for (const PictureReport& picture : result->pictures) EXPECT_TRUE(picture.used) << picture.name << picture.reason;
   EXPECT_NE(result->grade, CalibrationGrade::kPoor) << result->verdict;
+}
+
+TEST(CalibrateTest, FindsTheSampleSetsCamera) {
+  const std::string set = std::string(DRUPE_TEST_DATA) + "/plum-s/";
+  const auto read_json = [](const std::string& path) {
+    const auto text = ReadFile(path);
+    EXPECT_TRUE(text.ok()) << path;
+    return text.ok() ? ParseJson(*text) : Result<Json>(text.status());
+  };
+  const auto pattern_json = read_json(set + "calibration/pattern.json");
+  const auto truth_json = read_json(set + "calibration.json");
+  ASSERT_TRUE(pattern_json.ok() && truth_json.ok());
+  const auto pattern = ParseCheckerboard(*pattern_json);
+  const auto truth = ParseCalibration(*truth_json);
+  ASSERT_TRUE(pattern.ok() && truth.ok());
+  std::vector<PatternPicture> pictures;
+  for (int i = 0; i < 10; ++i) {
+    const std::string name = std::to_string(i).insert(0, 1, '0') + ".jpg";
+    pictures.push_back({name, [path = set + "calibration/" + name] { return ReadFile(path); }});
+  }
+  const auto result = RunCalibration(pictures, *pattern, {}, {});
+  ASSERT_TRUE(result.ok()) << result.status().ToString();
+  EXPECT_NEAR(result->calibration.camera.fx / truth->camera.fx, 1, 2e-4);
+  EXPECT_NEAR(result->calibration.camera.cx, truth->camera.cx, 0.4);
+  EXPECT_NEAR(result->calibration.camera.cy, truth->camera.cy, 0.4);
+  EXPECT_LT(result->calibration.rms_px, 0.03);
+  EXPECT_EQ(result->grade, CalibrationGrade::kGood) << result->verdict;
 }
 
 TEST(CalibrateTest, MeasuringAgainWithTheCameraHelps) {
