@@ -79,7 +79,7 @@ class ImageSetsTest(DrupeTest):
         for name, content in sample_images(2):
             self.put(set_id, name, content)
         reply = self.system.reconstruction.post_json("/reconstruct", {"image_set": set_id})
-        self.assert_refused(reply, 422, "too_few_images", "3")
+        self.assert_refused(reply, 400, "too_few_images", "3", "2")
 
     def test_upload_to_no_set(self):
         name, content = sample_images(1)[0]
