@@ -45,6 +45,10 @@ Status ClientLeft() {
 
 }  // namespace
 
+std::int64_t SteadyNowMs() {
+  return std::chrono::duration_cast<milliseconds>(SteadyClock::now().time_since_epoch()).count();
+}
+
 Connection::~Connection() {
   ::close(socket_);
 }
@@ -88,7 +92,8 @@ void Connection::StartBody(std::uint64_t length, bool expects_continue) {
 milliseconds Connection::BodyPatience() const {
   const std::uint64_t earned_ms = (length_ - remaining_) * 1000 / options_.min_body_bytes_per_s;
   const SteadyClock::time_point average = body_start_ + options_.stall_timeout + milliseconds(earned_ms);
-  return std::min(options_.stall_timeout, Until(average));
+  const milliseconds shared(std::max<std::int64_t>(0, body_deadline_ms_ - SteadyNowMs()));
+  return std::min({options_.stall_timeout, Until(average), shared});
 }
 
 Result<std::size_t> Connection::Read(std::span<char> buffer) {

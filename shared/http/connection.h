@@ -1,8 +1,10 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,11 +16,18 @@
 
 namespace drupe {
 
+/// Milliseconds of the steady clock, for deadlines that threads share.
+std::int64_t SteadyNowMs();
+inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
+
 /// One client's socket, read and written under deadlines. A request's body is a window of exactly its declared length:
 /// neither more of the stream than that can be read as body, nor any of the body as the next request. Owns the socket.
 class Connection : public BodyReader {
  public:
-  Connection(int socket, const ServerOptions& options) : socket_(socket), options_(options) {}
+  /// Bodies are not read beyond `body_deadline_ms` (SteadyNowMs), which may change meanwhile. Both references outlive
+  /// the connection.
+  Connection(int socket, const ServerOptions& options, const std::atomic<std::int64_t>& body_deadline_ms)
+      : socket_(socket), options_(options), body_deadline_ms_(body_deadline_ms) {}
   ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -51,6 +60,7 @@ class Connection : public BodyReader {
 
   const int socket_;
   const ServerOptions& options_;
+  const std::atomic<std::int64_t>& body_deadline_ms_;
   std::string ahead_;  ///< read beyond the last head; at most max_head_bytes
   std::uint64_t length_ = 0;
   std::uint64_t remaining_ = 0;

@@ -66,7 +66,6 @@ struct Exchange {
   bool reserved_only = false;  ///< the connection stands on a reserved place
   bool refuse = false;         ///< there is no place at all
   bool keep_alive = true;
-  bool is_event_stream = false;
 };
 
 /// The exchange that this thread is answering: the library's handlers have no other way to know.
@@ -109,7 +108,7 @@ class Server::Impl : public httplib::Server {
   void Answer(Exchange& exchange, httplib::Response& reply);
   Response Dispatch(Exchange& exchange, Request& request);
   Status Admit(const Router::Route& route, const Exchange& exchange) const;
-  Response Run(const Router::Route& route, Exchange& exchange, const Request& request);
+  Response Run(const Router::Route& route, const Request& request);
   void HoldEventStream(Response& response);
   void Record(const Request& request, const Response& response, const Stopwatch& watch) const;
   static void FixHeaders(const Exchange& exchange, httplib::Response& reply);
@@ -117,6 +116,7 @@ class Server::Impl : public httplib::Server {
 
   const ServerOptions options_;
   Metrics* const metrics_;
+  std::atomic<std::int64_t> body_deadline_ms_{kNoDeadline};
   std::atomic<int> connections_{0};
   std::atomic<int> uploads_{0};
   std::atomic<int> event_streams_{0};
@@ -150,14 +150,16 @@ Status Server::Impl::Accept() {
 /// The library's own stop() would cut replies that are being sent, so only the listening socket is shut down; the
 /// accept loop then ends and waits for the connections.
 void Server::Impl::StopAccepting() {
-  if (!stopping.exchange(true)) ::shutdown(svr_sock_, SHUT_RDWR);
+  if (stopping.exchange(true)) return;
+  body_deadline_ms_ = SteadyNowMs() + options_.stop_timeout.count();
+  ::shutdown(svr_sock_, SHUT_RDWR);
 }
 
 bool Server::Impl::process_and_close_socket(socket_t socket) {
   ::fcntl(socket, F_SETFD, FD_CLOEXEC);
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
-  Connection connection(socket, options_);
+  Connection connection(socket, options_, body_deadline_ms_);
   if (ConnectionThreads::Refusing()) {
     Refuse(connection);
     return true;
@@ -245,7 +247,7 @@ Response Server::Impl::Dispatch(Exchange& exchange, Request& request) {
     return response;
   }
   request.query = std::move(*query);
-  return Run(**route, exchange, request);
+  return Run(**route, request);
 }
 
 Status Server::Impl::Admit(const Router::Route& route, const Exchange& exchange) const {
@@ -258,7 +260,7 @@ Status Server::Impl::Admit(const Router::Route& route, const Exchange& exchange)
                 "Content-Length");
 }
 
-Response Server::Impl::Run(const Router::Route& route, Exchange& exchange, const Request& request) {
+Response Server::Impl::Run(const Router::Route& route, const Request& request) {
   Response response;
   std::optional<Admission> upload;
   if (route.options.upload) upload.emplace(uploads_, options_.max_concurrent_uploads);
@@ -274,7 +276,6 @@ Response Server::Impl::Run(const Router::Route& route, Exchange& exchange, const
     response.SetError(Internal("internal", "the server failed on this request; its log names request " + request.id));
   }
   if (response.events) HoldEventStream(response);
-  exchange.is_event_stream = static_cast<bool>(response.events);
   return response;
 }
 

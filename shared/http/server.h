@@ -26,6 +26,7 @@ struct ServerOptions {
   std::chrono::milliseconds head_timeout{10'000};         ///< from a request's first byte to the end of its headers
   std::chrono::milliseconds keep_alive_timeout{5'000};    ///< between requests
   std::chrono::milliseconds stall_timeout{15'000};        ///< a body that brings no byte, a reply that takes none
+  std::chrono::milliseconds stop_timeout{10'000};         ///< that bodies still arriving are given after Stop()
   std::size_t min_body_bytes_per_s = 1024;                ///< on average, after the first stall_timeout
   int max_requests_per_connection = 1000;
 

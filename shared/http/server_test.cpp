@@ -365,6 +365,29 @@ TEST_F(ServerTest, StopFinishesWhatIsBeingAnswered) {
   EXPECT_FALSE(RawSocket(port).connected());
 }
 
+TEST_F(ServerTest, StopDoesNotWaitForSlowBodies) {
+  options_.stall_timeout = milliseconds(5000);
+  options_.stop_timeout = milliseconds(300);
+  Start();
+  RawSocket upload(server_->port());
+  upload.Send("POST /upload HTTP/1.1\r\nHost: h\r\nContent-Length: 900\r\n\r\n");
+  std::atomic<bool> stopped{false};
+  std::thread drip([&] {
+    while (!stopped && upload.Send("x")) std::this_thread::sleep_for(milliseconds(20));
+  });
+  std::this_thread::sleep_for(milliseconds(100));
+  const auto start = std::chrono::steady_clock::now();
+  std::thread reader([&] {
+    upload.ReadAll();
+    upload.Close();
+  });
+  Stop();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, milliseconds(4000));
+  stopped = true;
+  drip.join();
+  reader.join();
+}
+
 TEST_F(ServerTest, ClientCalls) {
   Start();
   const std::string url = "http://127.0.0.1:" + std::to_string(server_->port());
