@@ -38,7 +38,8 @@ Result<AnalysisOptions> ParseAnalysisOptions(const Json& json);
 Json ToJson(const AnalysisOptions& options);
 
 /// From the dense cloud to the defect report (paper section 4): background removal, traits, segmentation, clusters,
-/// planes, contours, classes. Fills everything but id, created_at, quality and provenance, which the caller knows.
+/// planes, contours, classes. Fills everything but id, created_at, quality and the images' provenance, which the caller
+/// knows; timings_s holds the wall seconds of "fruit" and "defects".
 /// A cloud without any fruit gives a report with none. Progress stages: "fruit", "defects". Errors: 422 `empty_cloud`,
 /// 400 `invalid_cloud` (lengths differ, non-finite positions only, no colours), `cancelled`.
 Result<Report> RunAnalysis(const AnalysisInput& input, const AnalysisOptions& options, const RunContext& context);

@@ -38,9 +38,11 @@ struct Defect {
   DefectPlane plane;
   std::vector<Eigen::Vector3d> contour_mm;  ///< closed B-spline, sampled; the first point is not repeated
   Eigen::Vector3d mean_lab = Eigen::Vector3d::Zero();
-  int points = 0;
+  double area_share_pct = 0;  ///< of the fruit's surface
+  int points = 0;             ///< of the cloud inside the contour
 };
 
+/// One fruit. Lengths in mm when the scale is metric, else in the model's own unit.
 struct Fruit {
   int id = 0;  ///< 1, 2, ...
   DefectClass grade = DefectClass::kIntact;
@@ -49,7 +51,7 @@ struct Fruit {
   double surface_area_mm2 = 0;
   double equatorial_diameter_mm = 0;
   double polar_diameter_mm = 0;
-  double sphericity = 0;
+  double sphericity = 0;  ///< area of the sphere of equal volume over the fruit's area; 1 for a sphere
   Eigen::Vector3d mean_lab = Eigen::Vector3d::Zero();
   double observed_surface_pct = 0;
   double defect_area_pct = 0;
@@ -70,14 +72,14 @@ struct Report {
   std::string id;          ///< of the reconstruction
   std::string created_at;  ///< UTC, ISO 8601
   ScaleSource scale_source = ScaleSource::kNone;
-  Json quality;            ///< registered, of, mean_reprojection_error_px, dense_points, ...
+  Json quality;  ///< registered, of, mean_reprojection_error_px, dense_points, ...
   std::vector<Fruit> fruits;
   Json timings_s;
   Provenance provenance;
 };
 
-/// JSON after api/schemas/report.schema.json. Without a metric scale the lengths, areas and volumes in mm are null, and
-/// shares and ratios (defect_area_pct, roundness, sphericity, area_share_pct) remain.
+/// JSON after api/schemas/report.schema.json. Without a metric scale `unit` and everything measured in mm are null, and
+/// shares, ratios and colours (defect_area_pct, area_share_pct, roundness, sphericity, mean_lab) remain.
 Json ToJson(const Report& report);
 
 /// One line a defect, RFC 4180, with a header; a fruit without defects has one line with empty defect columns.

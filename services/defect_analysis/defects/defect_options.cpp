@@ -1,5 +1,8 @@
 #include "defect_analysis/defects/defect_options.h"
 
+#include <concepts>
+#include <type_traits>
+
 namespace drupe {
 namespace {
 
@@ -11,7 +14,84 @@ bool IsWithin(double value, double low, double high) {
   return value >= low && value <= high;
 }
 
+// The fields of each group, named once for reading and writing. `visit(name, field)`.
+template <typename Options, typename Visit>
+requires std::same_as<std::remove_const_t<Options>, SegmentationOptions>
+void VisitFields(Options& o, const Visit& visit) {
+  visit("min_clusters", o.min_clusters);
+  visit("max_clusters", o.max_clusters);
+  visit("max_iterations", o.max_iterations);
+  visit("lightness_weight", o.lightness_weight);
+  visit("significance_delta_e", o.significance_delta_e);
+  visit("significance_sigma", o.significance_sigma);
+}
+
+template <typename Options, typename Visit>
+requires std::same_as<std::remove_const_t<Options>, ClusterOptions>
+void VisitFields(Options& o, const Visit& visit) {
+  visit("min_area_mm2", o.min_area_mm2);
+  visit("merge_distance_mm", o.merge_distance_mm);
+  visit("max_defects", o.max_defects);
+}
+
+template <typename Options, typename Visit>
+requires std::same_as<std::remove_const_t<Options>, PlaneOptions>
+void VisitFields(Options& o, const Visit& visit) {
+  visit("iterations", o.iterations);
+  visit("distance", o.distance);
+}
+
+template <typename Options, typename Visit>
+requires std::same_as<std::remove_const_t<Options>, ContourOptions>
+void VisitFields(Options& o, const Visit& visit) {
+  visit("control_points", o.control_points);
+  visit("degree", o.degree);
+  visit("sampling_density", o.sampling_density);
+  visit("level", o.level);
+}
+
+template <typename Options, typename Visit>
+requires std::same_as<std::remove_const_t<Options>, ClassOptions>
+void VisitFields(Options& o, const Visit& visit) {
+  visit("decay_min_area_mm2", o.decay_min_area_mm2);
+  visit("elongated_min", o.elongated_min);
+  visit("crack_max_width_mm", o.crack_max_width_mm);
+  visit("crack_max_lightness", o.crack_max_lightness);
+}
+
+template <typename Options, typename Visit>
+requires std::same_as<std::remove_const_t<Options>, DefectOptions>
+void VisitGroups(Options& o, const Visit& visit) {
+  visit("segmentation", o.segmentation);
+  visit("cluster", o.cluster);
+  visit("plane", o.plane);
+  visit("contour", o.contour);
+  visit("class", o.classes);
+}
+
 }  // namespace
+
+Status ReadDefectOptions(OptionReader& reader, DefectOptions& options) {
+  Status first;
+  VisitGroups(options, [&](const char* name, auto& group) {
+    const Json* json = reader.Nested(name);
+    if (json == nullptr || !first.ok()) return;
+    OptionReader fields(*json, reader.PathOf(name));
+    VisitFields(group, [&](const char* key, auto& field) { fields.Read(key, field); });
+    first = fields.Finish();
+  });
+  return first;
+}
+
+Json ToJson(const DefectOptions& options) {
+  Json json = Json::object();
+  VisitGroups(options, [&](const char* name, const auto& group) {
+    Json fields = Json::object();
+    VisitFields(group, [&](const char* key, const auto& field) { fields[key] = field; });
+    json[name] = std::move(fields);
+  });
+  return json;
+}
 
 Status SegmentationOptions::Check() const {
   if (min_clusters < 2 || min_clusters > 16) return Refuse("segmentation.min_clusters", "2 to 16");

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/json.h"
+#include "base/option_reader.h"
 #include "base/status.h"
 
 namespace drupe {
@@ -65,5 +66,10 @@ struct DefectOptions {
 
   Status Check() const;
 };
+
+/// Reads the keys "segmentation", "cluster", "plane", "contour" and "class" of `reader`, each an object with the names
+/// above. Errors as OptionReader::Finish; ranges are checked by DefectOptions::Check.
+Status ReadDefectOptions(OptionReader& reader, DefectOptions& options);
+Json ToJson(const DefectOptions& options);
 
 }  // namespace drupe
