@@ -12,8 +12,8 @@ API = ROOT / "api"
 METHODS = ("get", "put", "post", "delete", "patch", "head")
 SERVICE_OF_PORT = {"8081": "capture", "8082": "reconstruction", "8083": "analysis"}
 
-# router.Add("GET", "/reports/{id:rec}.csv", ...), wherever a line is broken.
-REGISTRATION = re.compile(r'\bAdd\(\s*"(GET|PUT|POST|DELETE|PATCH)",\s*"(/[^"]*)"')
+# router.Add("GET", "/reports/{id:rec}.csv", ...) or a local add(...), wherever a line is broken.
+REGISTRATION = re.compile(r'\b[Aa]dd\(\s*"(GET|PUT|POST|DELETE|PATCH)",\s*"(/[^"]*)"')
 SOURCES_OF_SERVICE = {"capture": "services/capture", "reconstruction": "services/reconstruction",
                       "analysis": "services/defect_analysis"}
 SOURCE_OF_ALL = "shared/http"

@@ -119,7 +119,10 @@ class OpenApiTest(DrupeTest):
 
         wait_for("calibration", ended, 120, 0.2)
         self.call("capture", "GET", path, expect=200)
+        self.call("capture", "GET", f"{path}/calibration.json", expect=200)
         self.call("capture", "GET", f"/calibrations/cal_{UNKNOWN}", expect=404)
+        self.call("capture", "GET", "/calibrations?status=succeeded&limit=1", expect=200)
+        self.call("capture", "GET", "/calibrations?limit=0", expect=400)
         self.call("capture", "GET", "/cameras", expect=200)
 
     def test_9_every_described_operation_has_succeeded(self):
