@@ -7,6 +7,7 @@
 
 #include "base/ids.h"
 #include "base/log.h"
+#include "jobs/sqlite/job_life.h"
 #include "jobs/sqlite/job_rows.h"
 
 namespace drupe {
@@ -14,10 +15,6 @@ namespace drupe {
 namespace {
 
 constexpr int kMaxPage = 1000;
-
-Status JobNotFound(std::string_view id) {
-  return NotFound("job_not_found", "there is no job " + std::string(id));
-}
 
 Status Conflict(std::string code, std::string message) {
   return {StatusKind::kConflict, std::move(code), std::move(message)};
@@ -52,12 +49,12 @@ Job NewJob(const JobSpec& spec, std::int64_t now_ms) {
 class SqliteJobStore : public JobStore {
  public:
   SqliteJobStore(SqliteDatabase& database, const JobStoreOptions& options, const Clock& clock)
-      : database_(database), rows_(database), options_(options), clock_(clock) {}
+      : database_(database), rows_(database), options_(options), clock_(clock), life_(rows_, options_, clock_) {}
 
   Status Open() {
     DRUPE_RETURN_IF_ERROR(options_.Check());
     DRUPE_RETURN_IF_ERROR(rows_.Migrate());
-    return RecoverRunning();
+    return Recover();
   }
 
   Result<Job> Submit(const JobSpec& spec) override;
@@ -77,28 +74,19 @@ class SqliteJobStore : public JobStore {
   Result<int> ExpireLeases() override;
 
  private:
-  enum class Backoff { kYes, kNo };
-
-  Status RecoverRunning();
-  Result<Job> FindOrInsert(const JobSpec& spec);
-  Result<int> ExpireLeasesInTransaction();
-  /// The row of `id`; 404 when there is none.
-  Result<JobRow> Find(std::string_view id);
-  /// The row of a running attempt; 409 when that attempt is over.
-  Result<JobRow> FindAttempt(std::string_view id, std::int64_t attempt);
-  /// Changes the row of a running attempt and saves it with an event, durably.
-  Status EndAttempt(std::string_view id, std::int64_t attempt, const std::function<Status(JobRow&)>& end);
-  /// Moves a row to `state`, saves it and records why.
-  Status Move(JobRow& row, JobState state, std::string_view reason);
-  Status FailAttempt(JobRow& row, const JobError& error, bool retryable, Backoff backoff);
   /// Transaction that tells the waiters when it has changed something.
   Status Change(SqliteDurability durability, const std::function<Status()>& body);
+  /// Runs `end` on the row of a running attempt, durably.
+  Status EndAttempt(std::string_view id, std::int64_t attempt, const std::function<Status(JobRow&)>& end);
+  Result<Job> FindOrInsert(const JobSpec& spec);
   Status CheckSize(std::size_t bytes, std::string_view what) const;
+  Status Recover();
 
   SqliteDatabase& database_;
   JobRows rows_;
   const JobStoreOptions options_;
   const Clock& clock_;
+  JobLife life_;
 };
 
 Status SqliteJobStore::Change(SqliteDurability durability, const std::function<Status()>& body) {
@@ -112,29 +100,6 @@ Status SqliteJobStore::CheckSize(std::size_t bytes, std::string_view what) const
   return {StatusKind::kTooLarge, std::string(what) + "_too_large",
           "the " + std::string(what) + " has " + std::to_string(bytes) + " bytes as JSON; the limit is " +
               std::to_string(options_.max_payload_bytes)};
-}
-
-Result<JobRow> SqliteJobStore::Find(std::string_view id) {
-  DRUPE_ASSIGN_OR_RETURN(std::optional<JobRow> row, rows_.FindById(id));
-  if (!row) return JobNotFound(id);
-  return std::move(*row);
-}
-
-Result<JobRow> SqliteJobStore::FindAttempt(std::string_view id, std::int64_t attempt) {
-  DRUPE_ASSIGN_OR_RETURN(JobRow row, Find(id));
-  if (row.job.state == JobState::kRunning && row.job.attempt == attempt) return row;
-  return Conflict("stale_attempt", "attempt " + std::to_string(attempt) + " of job " + std::string(id) +
-                                       " is over: the job is " + JobStateName(row.job.state) + " at attempt " +
-                                       std::to_string(row.job.attempt));
-}
-
-Status SqliteJobStore::Move(JobRow& row, JobState state, std::string_view reason) {
-  const std::int64_t now = clock_.NowMs();
-  row.job.state = state;
-  row.job.lease_until_ms = state == JobState::kRunning ? row.job.lease_until_ms : 0;
-  row.job.finished_ms = IsTerminal(state) ? now : 0;
-  DRUPE_RETURN_IF_ERROR(rows_.Update(row));
-  return rows_.AddEvent(row, reason, now);
 }
 
 // ---- what a client asks
@@ -173,7 +138,7 @@ Result<Job> SqliteJobStore::FindOrInsert(const JobSpec& spec) {
 Result<Job> SqliteJobStore::Get(std::string_view id) {
   JobRow row;
   DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(row, Find(id));
+    DRUPE_ASSIGN_OR_RETURN(row, life_.Find(id));
     return Status::Ok();
   }));
   return std::move(row.job);
@@ -197,7 +162,7 @@ Result<JobPage> SqliteJobStore::List(const JobFilter& filter, int limit, const s
 Result<std::vector<JobEvent>> SqliteJobStore::History(std::string_view id) {
   std::vector<JobEvent> events;
   DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(const JobRow row, Find(id));
+    DRUPE_ASSIGN_OR_RETURN(const JobRow row, life_.Find(id));
     DRUPE_ASSIGN_OR_RETURN(events, rows_.Events(row.seq));
     return Status::Ok();
   }));
@@ -216,15 +181,15 @@ Result<JobCounts> SqliteJobStore::Counts() {
 Result<Job> SqliteJobStore::Cancel(std::string_view id) {
   JobRow row;
   DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(row, Find(id));
+    DRUPE_ASSIGN_OR_RETURN(row, life_.Find(id));
     Job& job = row.job;
     if (job.state == JobState::kCancelled || job.cancel_requested) return Status::Ok();
     if (IsTerminal(job.state)) {
       return Conflict("job_finished", std::string(id) + " has already " + JobStateName(job.state));
     }
     job.cancel_requested = true;
-    if (job.state == JobState::kQueued) return Move(row, JobState::kCancelled, "cancelled");
-    return Move(row, JobState::kRunning, "cancel_requested");
+    if (job.state == JobState::kQueued) return life_.Move(row, JobState::kCancelled, "cancelled");
+    return life_.Move(row, JobState::kRunning, "cancel_requested");
   }));
   return std::move(row.job);
 }
@@ -232,7 +197,7 @@ Result<Job> SqliteJobStore::Cancel(std::string_view id) {
 Result<Job> SqliteJobStore::Retry(std::string_view id) {
   JobRow row;
   DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(row, Find(id));
+    DRUPE_ASSIGN_OR_RETURN(row, life_.Find(id));
     Job& job = row.job;
     if (job.state != JobState::kFailed && job.state != JobState::kCancelled) {
       return Conflict("job_not_ended", "only a failed or cancelled job can be tried again; " + std::string(id) +
@@ -244,7 +209,7 @@ Result<Job> SqliteJobStore::Retry(std::string_view id) {
     job.stage.clear();
     job.progress = 0;
     job.available_at_ms = clock_.NowMs();
-    return Move(row, JobState::kQueued, "retried by request");
+    return life_.Move(row, JobState::kQueued, "retried by request");
   }));
   return std::move(row.job);
 }
@@ -257,7 +222,7 @@ Result<std::optional<Job>> SqliteJobStore::Claim(const std::vector<std::string>&
   std::optional<JobRow> row;
   int expired = 0;
   DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(expired, ExpireLeasesInTransaction());
+    DRUPE_ASSIGN_OR_RETURN(expired, life_.ExpireLeases());
     const std::int64_t now = clock_.NowMs();
     DRUPE_ASSIGN_OR_RETURN(row, rows_.FindClaimable(kinds, now));
     if (!row) return Status::Ok();
@@ -268,7 +233,7 @@ Result<std::optional<Job>> SqliteJobStore::Claim(const std::vector<std::string>&
     job.lease_until_ms = now + lease_ms;
     job.stage.clear();
     job.progress = 0;
-    return Move(*row, JobState::kRunning, "claimed");
+    return life_.Move(*row, JobState::kRunning, "claimed");
   }));
   if (row || expired > 0) changes_.Notify();
   return row ? std::optional<Job>(std::move(row->job)) : std::nullopt;
@@ -277,7 +242,7 @@ Result<std::optional<Job>> SqliteJobStore::Claim(const std::vector<std::string>&
 Result<bool> SqliteJobStore::Beat(std::string_view id, std::int64_t attempt, const Heartbeat& heartbeat) {
   JobRow row;
   DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kProcessDeath, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(row, FindAttempt(id, attempt));
+    DRUPE_ASSIGN_OR_RETURN(row, life_.FindAttempt(id, attempt));
     row.job.stage = heartbeat.stage;
     row.job.progress = std::clamp(heartbeat.progress, 0.0, 1.0);
     row.job.lease_until_ms = clock_.NowMs() + heartbeat.lease_ms;
@@ -289,7 +254,7 @@ Result<bool> SqliteJobStore::Beat(std::string_view id, std::int64_t attempt, con
 Status SqliteJobStore::EndAttempt(std::string_view id, std::int64_t attempt,
                                   const std::function<Status(JobRow&)>& end) {
   return Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(JobRow row, FindAttempt(id, attempt));
+    DRUPE_ASSIGN_OR_RETURN(JobRow row, life_.FindAttempt(id, attempt));
     return end(row);
   });
 }
@@ -300,40 +265,23 @@ Status SqliteJobStore::Complete(std::string_view id, std::int64_t attempt, const
     row.job.result = result;
     row.job.error.reset();
     row.job.progress = 1;
-    return Move(row, JobState::kSucceeded, "succeeded");
+    return life_.Move(row, JobState::kSucceeded, "succeeded");
   });
 }
 
 Status SqliteJobStore::Fail(std::string_view id, std::int64_t attempt, const JobError& error, bool retryable) {
-  return EndAttempt(id, attempt, [&](JobRow& row) { return FailAttempt(row, error, retryable, Backoff::kYes); });
-}
-
-Status SqliteJobStore::FailAttempt(JobRow& row, const JobError& error, bool retryable, Backoff backoff) {
-  Job& job = row.job;
-  ++job.failures;
-  job.error = error;
-  if (job.cancel_requested) return Move(row, JobState::kCancelled, "cancelled");
-  if (!retryable) return Move(row, JobState::kFailed, "failed: " + error.code);
-  if (job.failures >= job.max_attempts) {
-    job.error = JobError{"attempts_exhausted",
-                         "given up after " + std::to_string(job.failures) + " attempts; the last ended with " +
-                             error.code + ": " + error.message,
-                         error.field};
-    return Move(row, JobState::kFailed, "attempts_exhausted: " + error.code);
-  }
-  job.available_at_ms = clock_.NowMs() + (backoff == Backoff::kYes ? options_.BackoffMs(job.failures) : 0);
-  return Move(row, JobState::kQueued, "retry: " + error.code);
+  return EndAttempt(id, attempt, [&](JobRow& row) { return life_.Fail(row, error, retryable, Backoff::kYes); });
 }
 
 Status SqliteJobStore::MarkCancelled(std::string_view id, std::int64_t attempt) {
-  return EndAttempt(id, attempt, [&](JobRow& row) { return Move(row, JobState::kCancelled, "cancelled"); });
+  return EndAttempt(id, attempt, [&](JobRow& row) { return life_.Move(row, JobState::kCancelled, "cancelled"); });
 }
 
 Status SqliteJobStore::Release(std::string_view id, std::int64_t attempt) {
   return EndAttempt(id, attempt, [&](JobRow& row) {
-    if (row.job.cancel_requested) return Move(row, JobState::kCancelled, "cancelled");
+    if (row.job.cancel_requested) return life_.Move(row, JobState::kCancelled, "cancelled");
     row.job.available_at_ms = clock_.NowMs();
-    return Move(row, JobState::kQueued, "released");
+    return life_.Move(row, JobState::kQueued, "released");
   });
 }
 
@@ -342,31 +290,20 @@ Status SqliteJobStore::Release(std::string_view id, std::int64_t attempt) {
 Result<int> SqliteJobStore::ExpireLeases() {
   int expired = 0;
   DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(expired, ExpireLeasesInTransaction());
+    DRUPE_ASSIGN_OR_RETURN(expired, life_.ExpireLeases());
     return Status::Ok();
   }));
   return expired;
 }
 
-Result<int> SqliteJobStore::ExpireLeasesInTransaction() {
-  DRUPE_ASSIGN_OR_RETURN(std::vector<JobRow> rows, rows_.FindExpired(clock_.NowMs()));
-  for (JobRow& row : rows) {
-    const JobError error{"lease_expired", "the worker " + row.job.worker + " stopped reporting", ""};
-    DRUPE_RETURN_IF_ERROR(FailAttempt(row, error, true, Backoff::kYes));
-  }
-  return static_cast<int>(rows.size());
-}
-
-Status SqliteJobStore::RecoverRunning() {
-  return Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(std::vector<JobRow> rows, rows_.FindExpired(std::numeric_limits<std::int64_t>::max()));
-    for (JobRow& row : rows) {
-      const JobError error{"owner_died", "the service stopped while it ran this job", ""};
-      DRUPE_RETURN_IF_ERROR(FailAttempt(row, error, true, Backoff::kNo));
-    }
-    if (!rows.empty()) Log(LogLevel::kInfo, "recovered interrupted jobs", {{"count", rows.size()}});
+Status SqliteJobStore::Recover() {
+  int recovered = 0;
+  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(recovered, life_.RecoverRunning());
     return Status::Ok();
-  });
+  }));
+  if (recovered > 0) Log(LogLevel::kInfo, "recovered interrupted jobs", {{"count", recovered}});
+  return Status::Ok();
 }
 
 }  // namespace
