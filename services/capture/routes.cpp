@@ -1,0 +1,159 @@
+#include "capture/routes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/clock.h"
+#include "base/digest.h"
+#include "capture/calibration_job.h"
+#include "capture/calibration_request.h"
+#include "http/content.h"
+#include "http/request.h"
+#include "http/response.h"
+
+namespace drupe {
+namespace {
+
+constexpr std::size_t kMaxKeyBytes = 200;
+
+Json TimeOrNull(std::int64_t unix_ms) {
+  return unix_ms == 0 ? Json() : Json(FormatUtc(unix_ms));
+}
+
+/// A failed attempt that is retried is no error of the job yet.
+Json ErrorOrNull(const Job& job) {
+  if (!job.error || job.state != JobState::kFailed) return nullptr;
+  Json error = {{"code", job.error->code}, {"message", job.error->message}};
+  if (!job.error->field.empty()) error["field"] = job.error->field;
+  return error;
+}
+
+Result<std::string> ReadIdempotencyKey(const Request& request) {
+  const std::string key(request.Header("Idempotency-Key"));
+  if (request.headers.count("Idempotency-Key") == 0) return key;
+  const bool printable = std::all_of(key.begin(), key.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
+  if (printable && !key.empty() && key.size() <= kMaxKeyBytes) return key;
+  return InvalidArgument("invalid_idempotency_key", "Idempotency-Key must be 1 to 200 printable characters",
+                         "Idempotency-Key");
+}
+
+class CaptureRoutes {
+ public:
+  explicit CaptureRoutes(const CaptureContext& context) : context_(context) {}
+
+  Status ListCameras(const Request&, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<CameraInfo> cameras, context_.cameras.List());
+    Json list = Json::array();
+    for (const CameraInfo& camera : cameras) {
+      list.push_back({{"id", camera.id},
+                      {"model", camera.model},
+                      {"serial", camera.serial},
+                      {"vendor", camera.vendor},
+                      {"address", camera.address},
+                      {"protocol", camera.protocol}});
+    }
+    response.SetJson({{"cameras", std::move(list)}});
+    return Status::Ok();
+  }
+
+  Status Submit(const Request& request, Response& response) const {
+    JobSpec spec{.kind = kCalibrateKind, .id_prefix = "cal"};
+    DRUPE_ASSIGN_OR_RETURN(spec.idempotency_key, ReadIdempotencyKey(request));
+    DRUPE_ASSIGN_OR_RETURN(const CalibrationRequest asked,
+                           ReadCalibrationForm(request, context_.objects, context_.limits));
+    spec.payload = ToJson(asked);
+    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.jobs.Submit(spec));
+    response.SetJson(SummaryJson(job), 202);
+    response.SetHeader("Location", LinkOf(job));
+    return Status::Ok();
+  }
+
+  Status Get(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.jobs.Get(request.Capture("id")));
+    Json json = SummaryJson(job);
+    json["pattern"] = job.payload.value("pattern", Json());
+    json["refused_images"] = job.payload.value("refused_images", Json::array());
+    json["result"] = job.result.value_or(Json());
+    response.SetJson(json);
+    return Status::Ok();
+  }
+
+  Status GetFile(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.jobs.Get(request.Capture("id")));
+    if (job.state != JobState::kSucceeded || !job.result) {
+      return {StatusKind::kConflict, "calibration_not_ready",
+              std::string("there is no calibration: its state is ") + JobStateName(job.state)};
+    }
+    std::string text = DumpJson(job.result->value("calibration", Json()), 1) + "\n";
+    const std::string digest = Sha256Hex(text);
+    SendContent(request, MakeByteSource(std::move(text)), "application/json", digest, response);
+    return Status::Ok();
+  }
+
+  Status List(const Request& request, Response& response) const {
+    JobFilter filter{.kind = kCalibrateKind};
+    if (const auto state = request.Query("status")) {
+      DRUPE_ASSIGN_OR_RETURN(filter.state, ParseJobState(*state));
+    }
+    DRUPE_ASSIGN_OR_RETURN(const std::int64_t limit, request.QueryInt("limit", 50, 1, 200));
+    const std::string cursor = request.Query("cursor").value_or("");
+    DRUPE_ASSIGN_OR_RETURN(const JobPage page, context_.jobs.List(filter, static_cast<int>(limit), cursor));
+    Json list = Json::array();
+    for (const Job& job : page.jobs) list.push_back(SummaryJson(job));
+    const Json next = page.next_cursor.empty() ? Json() : Json(page.next_cursor);
+    response.SetJson({{"calibrations", std::move(list)}, {"next_cursor", next}});
+    return Status::Ok();
+  }
+
+ private:
+  std::string LinkOf(const Job& job) const { return context_.public_url + "/calibrations/" + job.id; }
+
+  Json LinksJson(const Job& job) const {
+    Json links = {{"self", LinkOf(job)}};
+    if (job.state == JobState::kSucceeded) {
+      links["calibration"] = LinkOf(job) + "/calibration.json";
+      links["reconstruct"] = context_.reconstruction_url + "/reconstruct";
+    }
+    return links;
+  }
+
+  Json SummaryJson(const Job& job) const {
+    const Json result = job.result.value_or(Json::object());
+    return {{"id", job.id},
+            {"status", JobStateName(job.state)},
+            {"stage", job.stage},
+            {"progress", job.progress},
+            {"created_at", TimeOrNull(job.created_ms)},
+            {"started_at", TimeOrNull(job.started_ms)},
+            {"finished_at", TimeOrNull(job.finished_ms)},
+            {"error", ErrorOrNull(job)},
+            {"images", job.payload.value("images", Json::array()).size()},
+            {"grade", result.value("grade", Json())},
+            {"verdict", result.value("verdict", Json())},
+            {"links", LinksJson(job)}};
+  }
+
+  const CaptureContext context_;
+};
+
+using Method = Status (CaptureRoutes::*)(const Request&, Response&) const;
+
+}  // namespace
+
+void AddCaptureRoutes(Router& router, const CaptureContext& context) {
+  const auto routes = std::make_shared<CaptureRoutes>(context);
+  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, Method method) {
+    router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
+      if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
+    });
+  };
+  const RouteOptions plain{.max_body_bytes = 0};
+  const RouteOptions upload{.max_body_bytes = context.limits.max_request_bytes, .upload = true};
+  add("GET", "/cameras", plain, &CaptureRoutes::ListCameras);
+  add("POST", "/calibrations", upload, &CaptureRoutes::Submit);
+  add("GET", "/calibrations", plain, &CaptureRoutes::List);
+  add("GET", "/calibrations/{id:cal}", plain, &CaptureRoutes::Get);
+  add("GET", "/calibrations/{id:cal}/calibration.json", plain, &CaptureRoutes::GetFile);
+}
+
+}  // namespace drupe
