@@ -156,6 +156,14 @@ void Connection::LingeringClose() {
   }
 }
 
+void Connection::DiscardArrived() {
+  constexpr int kMaxPieces = 16;
+  ::shutdown(socket_, SHUT_WR);
+  std::array<char, 4096> unwanted;
+  for (int i = 0; i<kMaxPieces&& ::recv(socket_, unwanted.data(), unwanted.size(), MSG_DONTWAIT)> 0; ++i) {
+  }
+}
+
 std::string Connection::RemoteAddress() const {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);

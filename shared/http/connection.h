@@ -51,6 +51,8 @@ class Connection : public BodyReader {
   /// Ends the conversation so that the last reply arrives: the client may still be sending a body that nobody wants,
   /// and closing over unread bytes would make the system drop our reply. Reads on for up to two seconds.
   void LingeringClose();
+  /// Throws away what has arrived, so that closing does not make the system drop our reply. Does not wait.
+  void DiscardArrived();
   std::string RemoteAddress() const;
 
  private:

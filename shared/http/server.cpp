@@ -7,15 +7,11 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <exception>
-#include <optional>
 
-#include "base/clock.h"
 #include "base/ids.h"
-#include "base/log.h"
-#include "http/admission.h"
 #include "http/connection.h"
 #include "http/connection_threads.h"
+#include "http/dispatcher.h"
 #include "http/reply_writer.h"
 #include "http/request_head.h"
 
@@ -25,10 +21,6 @@ namespace {
 
 constexpr int kBacklog = 256;  ///< the library compiles 5 in
 constexpr std::chrono::milliseconds kReservedHeadTimeout{2'000};
-
-Status Full(std::string_view what) {
-  return Status(StatusKind::kUnavailable, "server_busy", std::string(what) + "; try again later");
-}
 
 /// What the library sees of a connection: the head that the fence made, then nothing; and the way back.
 class ReplyStream : public httplib::Stream {
@@ -64,7 +56,6 @@ struct Exchange {
   Connection* connection = nullptr;
   Result<RequestHead> head;
   bool reserved_only = false;  ///< the connection stands on a reserved place
-  bool refuse = false;         ///< there is no place at all
   bool keep_alive = true;
 };
 
@@ -75,7 +66,7 @@ thread_local Exchange* current = nullptr;
 
 class Server::Impl : public httplib::Server {
  public:
-  Impl(const ServerOptions& options, Metrics* metrics) : options_(options), metrics_(metrics) {
+  Impl(const ServerOptions& options, Metrics* metrics) : options_(options), dispatcher_(options_, metrics) {
     new_task_queue = [this] { return new ConnectionThreads(options_.max_connections + options_.reserved_connections); };
     set_keep_alive_max_count(static_cast<std::size_t>(options_.max_requests_per_connection));
     set_keep_alive_timeout(std::chrono::duration_cast<std::chrono::seconds>(options_.keep_alive_timeout).count());
@@ -95,7 +86,8 @@ class Server::Impl : public httplib::Server {
   Status Accept();
   void StopAccepting();
 
-  Router router;
+  Router& router() { return dispatcher_.router(); }
+
   std::atomic<int> port{0};
   std::atomic<bool> stopping{false};
 
@@ -106,20 +98,13 @@ class Server::Impl : public httplib::Server {
   void Refuse(Connection& connection);
   bool Exchanged(Exchange& exchange);
   void Answer(Exchange& exchange, httplib::Response& reply);
-  Response Dispatch(Exchange& exchange, Request& request);
-  Status Admit(const Router::Route& route, const Exchange& exchange) const;
-  Response Run(const Router::Route& route, const Request& request);
-  void HoldEventStream(Response& response);
-  void Record(const Request& request, const Response& response, const Stopwatch& watch) const;
   static void FixHeaders(const Exchange& exchange, httplib::Response& reply);
   bool IsCrowded() const { return connections_ > options_.max_connections / 2; }
 
   const ServerOptions options_;
-  Metrics* const metrics_;
+  Dispatcher dispatcher_;
   std::atomic<std::int64_t> body_deadline_ms_{kNoDeadline};
   std::atomic<int> connections_{0};
-  std::atomic<int> uploads_{0};
-  std::atomic<int> event_streams_{0};
 };
 
 Status Server::Impl::Listen() {
@@ -171,11 +156,11 @@ bool Server::Impl::process_and_close_socket(socket_t socket) {
 }
 
 void Server::Impl::ServeConnection(Connection& connection, bool reserved_only) {
-  const auto give_up = [&] { return stopping || IsCrowded(); };
   std::chrono::milliseconds idle = reserved_only ? kReservedHeadTimeout : options_.head_timeout;
   const int requests = reserved_only ? 1 : options_.max_requests_per_connection;
   for (int i = 0; i < requests; ++i) {
-    if (!connection.WaitForRequest(idle, i == 0 ? [] { return false; } : std::function<bool()>(give_up))) return;
+    const auto give_up = [&] { return stopping || (i > 0 && IsCrowded()); };
+    if (!connection.WaitForRequest(idle, give_up)) return;
     if (!ServeRequest(connection, reserved_only, i + 1 < requests)) break;
     idle = options_.keep_alive_timeout;
   }
@@ -195,9 +180,10 @@ bool Server::Impl::ServeRequest(Connection& connection, bool reserved_only, bool
 
 /// Tells a connection beyond every limit to come back later, without waiting for what it has to say.
 void Server::Impl::Refuse(Connection& connection) {
-  Exchange exchange{&connection, Full("every connection is taken")};
-  exchange.refuse = true;
+  Exchange exchange{&connection, ServerBusy("every connection is taken")};
+  exchange.keep_alive = false;
   Exchanged(exchange);
+  connection.DiscardArrived();
 }
 
 /// Has the library write the reply to one exchange. It is shown a bare request line instead of the client's head.
@@ -215,96 +201,13 @@ bool Server::Impl::Exchanged(Exchange& exchange) {
 }
 
 void Server::Impl::Answer(Exchange& exchange, httplib::Response& reply) {
-  const Stopwatch watch;
   Request request;
   request.id = NewId("req");
   request.body = exchange.connection;
-  Response response = Dispatch(exchange, request);
-  if (exchange.connection->remaining() > 0 || IsCrowded() || stopping) exchange.keep_alive = false;
-  response.SetHeader("X-Request-Id", request.id);
-  Record(request, response, watch);
-  FillReply(std::move(response), *exchange.connection, stopping, reply);
-}
-
-Response Server::Impl::Dispatch(Exchange& exchange, Request& request) {
-  Response response;
-  if (!exchange.head.ok()) {
-    response.SetError(exchange.head.status());
-    return response;
-  }
-  RequestHead& head = *exchange.head;
-  request.method = head.method == "HEAD" ? "GET" : head.method;
-  request.path = head.path;
   request.remote_address = exchange.connection->RemoteAddress();
-  std::string allowed;
-  const Result<const Router::Route*> route = router.Find(head.method, head.path, request, allowed);
-  Result<std::map<std::string, std::string, std::less<>>> query = ParseQuery(head.query);
-  request.headers = std::move(head.headers);
-  const Status refusal = !route.ok() ? route.status() : !query.ok() ? query.status() : Admit(**route, exchange);
-  if (!refusal.ok()) {
-    response.SetError(refusal);
-    if (!allowed.empty()) response.SetHeader("Allow", allowed);
-    return response;
-  }
-  request.query = std::move(*query);
-  return Run(**route, request);
-}
-
-Status Server::Impl::Admit(const Router::Route& route, const Exchange& exchange) const {
-  if (exchange.reserved_only && !route.options.reserved) return Full("every connection is taken");
-  const std::uint64_t limit = std::min(route.options.max_body_bytes, options_.max_body_bytes);
-  if (exchange.head->content_length <= limit) return Status::Ok();
-  return Status(StatusKind::kTooLarge, "body_too_large",
-                "the body has " + std::to_string(exchange.head->content_length) + " bytes; the limit here is " +
-                    std::to_string(limit),
-                "Content-Length");
-}
-
-Response Server::Impl::Run(const Router::Route& route, const Request& request) {
-  Response response;
-  std::optional<Admission> upload;
-  if (route.options.upload) upload.emplace(uploads_, options_.max_concurrent_uploads);
-  if (upload && !upload->admitted()) {
-    response.SetError(Full("too many uploads are under way"));
-    return response;
-  }
-  try {
-    route.handler(request, response);
-  } catch (const std::exception& error) {
-    Log(LogLevel::kError, "a handler threw",
-        {{"request", request.id}, {"route", request.route}, {"what", error.what()}});
-    response.SetError(Internal("internal", "the server failed on this request; its log names request " + request.id));
-  }
-  if (response.events) HoldEventStream(response);
-  return response;
-}
-
-/// Lets the stream hold one of the limited places for as long as it is produced.
-void Server::Impl::HoldEventStream(Response& response) {
-  auto place = std::make_shared<Admission>(event_streams_, options_.max_event_streams);
-  if (!place->admitted()) {
-    response.SetError(Full("too many event streams are open"));
-    return;
-  }
-  response.events = [place, producer = std::move(response.events)](EventSink& sink) { return producer(sink); };
-}
-
-void Server::Impl::Record(const Request& request, const Response& response, const Stopwatch& watch) const {
-  const std::string route = request.route.empty() ? "none" : request.route;
-  const std::string method = request.route.empty() ? "none" : request.method;
-  const LogLevel level = response.status >= 500 && response.status != 503 ? LogLevel::kWarning : LogLevel::kDebug;
-  Log(level, "request",
-      {{"request", request.id},
-       {"method", method},
-       {"path", request.path},
-       {"status", response.status},
-       {"from", request.remote_address},
-       {"wall_s", watch.WallSeconds()}});
-  if (metrics_ == nullptr) return;
-  metrics_->Count("drupe_http_requests_total", "Requests answered.",
-                  {{"method", method}, {"route", route}, {"status", std::to_string(response.status)}});
-  metrics_->ObserveSeconds("drupe_http_request_seconds", "From a request's head to the start of its reply.",
-                           {{"method", method}, {"route", route}}, watch.WallSeconds());
+  Response response = dispatcher_.Answer(std::move(exchange.head), exchange.reserved_only, request);
+  if (exchange.connection->remaining() > 0 || IsCrowded() || stopping) exchange.keep_alive = false;
+  FillReply(std::move(response), *exchange.connection, stopping, reply);
 }
 
 /// The library decides on Connection before the handler has run; here the last word is known.
@@ -317,24 +220,10 @@ void Server::Impl::FixHeaders(const Exchange& exchange, httplib::Response& reply
   if (reply.status == 304 || reply.status == 204) reply.headers.erase("Content-Length");
 }
 
-Status ServerOptions::Check() const {
-  const auto check = [](bool good, const char* name, const char* allowed) {
-    return good ? Status::Ok() : InvalidArgument("invalid_option", std::string(name) + " must be " + allowed, name);
-  };
-  DRUPE_RETURN_IF_ERROR(check(port >= 0 && port <= 65535, "port", "0 to 65535"));
-  DRUPE_RETURN_IF_ERROR(check(!host.empty(), "host", "an address"));
-  DRUPE_RETURN_IF_ERROR(check(max_connections >= 1 && max_connections <= 4096, "max_connections", "1 to 4096"));
-  DRUPE_RETURN_IF_ERROR(
-      check(reserved_connections >= 0 && reserved_connections <= 256, "reserved_connections", "0 to 256"));
-  DRUPE_RETURN_IF_ERROR(check(max_concurrent_uploads >= 1, "max_concurrent_uploads", "at least 1"));
-  DRUPE_RETURN_IF_ERROR(check(min_body_bytes_per_s >= 1, "min_body_bytes_per_s", "at least 1"));
-  return check(max_requests_per_connection >= 1, "max_requests_per_connection", "at least 1");
-}
-
 Server::Server(ServerOptions options, Metrics* metrics) : impl_(std::make_unique<Impl>(options, metrics)) {}
 Server::~Server() = default;
 Router& Server::router() {
-  return impl_->router;
+  return impl_->router();
 }
 Status Server::Bind() {
   return impl_->Listen();

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/json.h"
+#include "base/limits.h"
+#include "base/status.h"
+#include "jobs/sqlite/database.h"
+
+namespace drupe {
+
+/// A picture that was verified and stored; `sha256` names the object with the file's bytes.
+struct StoredImage {
+  std::string name;
+  std::string sha256;
+  std::int64_t bytes = 0;
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+
+  bool operator==(const StoredImage&) const = default;
+};
+
+struct ImageSet {
+  std::string id;
+  std::int64_t created_ms = 0;
+  std::vector<StoredImage> images;  ///< ascending by name, which is the order of the turn
+};
+
+enum class PutOutcome { kAdded, kReplaced, kUnchanged };
+
+/// The image sets of a service, in tables of its database. A set lists objects; jobs take a copy of the list, so
+/// changing a set later never changes what a job works on. Thread-safe.
+class ImageSetStore {
+ public:
+  /// `database` and `clock` must outlive the store.
+  static Result<std::unique_ptr<ImageSetStore>> Open(SqliteDatabase& database, const Limits& limits,
+                                                     const Clock& clock = Clock::System());
+
+  /// A new set without images.
+  Result<ImageSet> Create();
+  /// The set of exactly these images (ascending by name). Its id follows from names and digests, so a repeated upload
+  /// gives the same set.
+  Result<ImageSet> CreateFrom(const std::vector<StoredImage>& images);
+  /// Errors: 404 `image_set_not_found`.
+  Result<ImageSet> Get(std::string_view id);
+  /// Adds an image, or replaces the one of that name: sending a picture again corrects it, and sending the same bytes
+  /// again changes nothing. Errors: 404 `image_set_not_found`, 413 `too_many_images`, 422 `image_size_mismatch` when it
+  /// is not as large as the set's other images.
+  Result<PutOutcome> PutImage(std::string_view id, const StoredImage& image);
+
+ private:
+  ImageSetStore(SqliteDatabase& database, const Limits& limits, const Clock& clock)
+      : database_(database), limits_(limits), clock_(clock) {}
+
+  Status InsertSet(const std::string& id, std::int64_t created_ms);
+  Status InsertImage(std::string_view id, const StoredImage& image);
+  Status Load(std::string_view id, ImageSet& set);
+  Status CheckFits(const ImageSet& set, const StoredImage& image) const;
+
+  SqliteDatabase& database_;
+  const Limits limits_;
+  const Clock& clock_;
+};
+
+/// [{"name", "sha256", "bytes", "width", "height"}]
+Json ToJson(const std::vector<StoredImage>& images);
+/// Reads what ToJson wrote. Errors: 500 `internal`, since only this program writes it.
+Result<std::vector<StoredImage>> ParseStoredImages(const Json& json);
+
+}  // namespace drupe

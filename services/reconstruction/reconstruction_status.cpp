@@ -1,0 +1,80 @@
+#include "reconstruction/reconstruction_status.h"
+
+#include <utility>
+
+#include "base/clock.h"
+#include "base/version.h"
+
+namespace drupe {
+
+namespace {
+
+Json TimeOrNull(std::int64_t unix_ms) {
+  return unix_ms == 0 ? Json() : Json(FormatUtc(unix_ms));
+}
+
+Json ErrorJson(const Job& job) {
+  // A failed attempt that is retried is no error of the job yet.
+  if (!job.error || job.state != JobState::kFailed) return nullptr;
+  Json error = {{"code", job.error->code}, {"message", job.error->message}};
+  if (!job.error->field.empty()) error["field"] = job.error->field;
+  return error;
+}
+
+Json LinksJson(const Job& job, const LinkBase& base) {
+  const std::string self = base.self + "/reconstructions/" + job.id;
+  Json links = {{"self", self}, {"events", self + "/events"}};
+  if (job.state == JobState::kSucceeded) links["artifacts"] = self + "/artifacts";
+  if (job.payload.value("analyze", false)) links["report"] = base.analysis + "/reports/" + job.id;
+  return links;
+}
+
+/// Those refused at intake and those that the pipeline left out.
+Json RefusedJson(const Job& job) {
+  Json refused = job.payload.value("refused_images", Json::array());
+  if (job.result) {
+    for (const Json& entry : job.result->value("refused_images", Json::array())) refused.push_back(entry);
+  }
+  return refused;
+}
+
+/// What the report needs to say where its numbers come from.
+Json ProvenanceJson(const Job& job) {
+  Json digests = Json::array();
+  for (const Json& image : job.payload.value("images", Json::array())) digests.push_back(image.value("sha256", ""));
+  return {{"image_set", job.payload.value("image_set", "")},
+          {"image_sha256", std::move(digests)},
+          {"calibration", job.payload.value("calibration", Json())},
+          {"options", job.result ? job.result->value("options", Json()) : job.payload.value("options", Json())},
+          {"build", kVersion}};
+}
+
+}  // namespace
+
+Json SummaryJson(const Job& job, const LinkBase& base) {
+  return {{"id", job.id},
+          {"status", JobStateName(job.state)},
+          {"stage", job.stage},
+          {"progress", job.progress},
+          {"attempt", job.attempt},
+          {"created_at", TimeOrNull(job.created_ms)},
+          {"started_at", TimeOrNull(job.started_ms)},
+          {"finished_at", TimeOrNull(job.finished_ms)},
+          {"error", ErrorJson(job)},
+          {"image_set", job.payload.value("image_set", "")},
+          {"images", job.payload.value("images", Json::array()).size()},
+          {"refused_images", RefusedJson(job)},
+          {"links", LinksJson(job, base)}};
+}
+
+Json StatusJson(const Job& job, const LinkBase& base) {
+  Json status = SummaryJson(job, base);
+  const Json result = job.result.value_or(Json::object());
+  status["quality"] = result.value("quality", Json());
+  status["timings"] = result.value("timings", Json());
+  status["artifacts"] = result.value("artifacts", Json::array());
+  status["provenance"] = ProvenanceJson(job);
+  return status;
+}
+
+}  // namespace drupe

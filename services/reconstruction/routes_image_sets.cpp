@@ -1,0 +1,74 @@
+#include "http/request.h"
+#include "http/response.h"
+#include "reconstruction/intake.h"
+#include "reconstruction/routes.h"
+
+namespace drupe {
+
+namespace {
+
+Json SetJson(const ImageSet& set, const LinkBase& links) {
+  const std::string self = links.self + "/image-sets/" + set.id;
+  return {{"id", set.id},
+          {"created_at", FormatUtc(set.created_ms)},
+          {"images", ToJson(set.images)},
+          {"links", {{"self", self}, {"images", self + "/images"}}}};
+}
+
+/// A set is made empty; a body, if there is one, must be an empty object.
+Status CheckEmptyBody(const Request& request) {
+  if (request.body->length() == 0) return Status::Ok();
+  DRUPE_ASSIGN_OR_RETURN(const Json body, ReadJsonBody(request));
+  if (body.is_object() && body.empty()) return Status::Ok();
+  return InvalidArgument("invalid_request", "a new image set takes no properties; the body must be empty or {}");
+}
+
+void CreateSet(const RouteContext& context, const Request& request, Response& response) {
+  if (const Status empty = CheckEmptyBody(request); !empty.ok()) return response.SetError(empty);
+  const Result<ImageSet> set = context.sets.Create();
+  if (!set.ok()) return response.SetError(set.status());
+  response.SetJson(SetJson(*set, context.links), 201);
+  response.SetHeader("Location", context.links.self + "/image-sets/" + set->id);
+}
+
+void GetSet(const RouteContext& context, const Request& request, Response& response) {
+  const Result<ImageSet> set = context.sets.Get(request.Capture("id"));
+  if (!set.ok()) return response.SetError(set.status());
+  response.SetJson(SetJson(*set, context.links));
+}
+
+struct PutResult {
+  StoredImage image;
+  PutOutcome outcome;
+};
+
+Result<PutResult> StoreInSet(const RouteContext& context, const Request& request) {
+  const std::string& id = request.Capture("id");
+  const Result<ImageSet> set = context.sets.Get(id);  // before the body is read for nothing
+  if (!set.ok()) return set.status();
+  DRUPE_ASSIGN_OR_RETURN(const std::string bytes, ReadBody(request, context.limits.max_image_bytes));
+  DRUPE_ASSIGN_OR_RETURN(const StoredImage image,
+                         StoreImage(context.objects, request.Capture("name"), bytes, context.limits));
+  DRUPE_ASSIGN_OR_RETURN(const PutOutcome outcome, context.sets.PutImage(id, image));
+  return PutResult{image, outcome};
+}
+
+void PutImage(const RouteContext& context, const Request& request, Response& response) {
+  const Result<PutResult> put = StoreInSet(context, request);
+  if (!put.ok()) return response.SetError(put.status());
+  response.SetJson(ToJson(std::vector{put->image}).front(), put->outcome == PutOutcome::kAdded ? 201 : 200);
+}
+
+}  // namespace
+
+void AddImageSetRoutes(Router& router, const RouteContext& context) {
+  const auto bind = [context](auto function) {
+    return [context, function](const Request& request, Response& response) { function(context, request, response); };
+  };
+  const RouteOptions upload{.max_body_bytes = context.limits.max_image_bytes, .upload = true};
+  router.Add("POST", "/image-sets", {}, bind(CreateSet));
+  router.Add("GET", "/image-sets/{id:set}", {}, bind(GetSet));
+  router.Add("PUT", "/image-sets/{id:set}/images/{name}", upload, bind(PutImage));
+}
+
+}  // namespace drupe

@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "http/content.h"
+#include "http/request.h"
+#include "http/response.h"
+#include "reconstruction/reconstruct_job.h"
+#include "reconstruction/reconstruct_request.h"
+#include "reconstruction/routes.h"
+
+namespace drupe {
+
+namespace {
+
+constexpr std::size_t kMaxKeyBytes = 200;
+
+class ObjectSource : public ByteSource {
+ public:
+  explicit ObjectSource(std::unique_ptr<ObjectReader> reader) : reader_(std::move(reader)) {}
+  std::uint64_t size() const override { return reader_->size(); }
+  Result<std::size_t> ReadAt(std::uint64_t offset, std::span<char> buffer) override {
+    return reader_->ReadAt(offset, std::as_writable_bytes(buffer));
+  }
+
+ private:
+  std::unique_ptr<ObjectReader> reader_;
+};
+
+const char* MediaTypeOf(const std::string& name) {
+  if (name.ends_with(".json")) return "application/json";
+  if (name.ends_with(".zip")) return "application/zip";
+  return "application/octet-stream";
+}
+
+Result<std::string> ReadIdempotencyKey(const Request& request) {
+  const std::string key(request.Header("Idempotency-Key"));
+  const bool given = request.headers.count("Idempotency-Key") > 0;
+  const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
+  if (!given || (!key.empty() && key.size() <= kMaxKeyBytes && visible)) return key;
+  return InvalidArgument("invalid_idempotency_key",
+                         "Idempotency-Key must be 1 to " + std::to_string(kMaxKeyBytes) + " printable characters",
+                         "Idempotency-Key");
+}
+
+Result<ReconstructRequest> ReadRequest(const RouteContext& context, const Request& request) {
+  if (request.HasMediaType("multipart/form-data")) {
+    return ReadReconstructForm(request, context.objects, context.sets, context.limits);
+  }
+  if (request.HasMediaType("application/json")) return ReadReconstructJson(request, context.sets, context.limits);
+  return Status(StatusKind::kUnsupportedMedia, "unsupported_media_type",
+                "send multipart/form-data with the images, or application/json with the id of an image set",
+                "Content-Type");
+}
+
+Result<Job> SubmitRequest(const RouteContext& context, const Request& request) {
+  JobSpec spec;
+  DRUPE_ASSIGN_OR_RETURN(const std::string key, ReadIdempotencyKey(request));
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest asked, ReadRequest(context, request));
+  if (!key.empty()) spec.idempotency_key = "client:" + key;  // never one that this service makes for itself
+  spec.kind = kReconstructKind;
+  spec.id_prefix = "rec";
+  spec.subject = asked.image_set;
+  spec.payload = ToPayload(asked);
+  return context.jobs.Submit(spec);
+}
+
+void Submit(const RouteContext& context, const Request& request, Response& response) {
+  const Result<Job> job = SubmitRequest(context, request);
+  if (!job.ok()) return response.SetError(job.status());
+  response.SetJson(SummaryJson(*job, context.links), 202);
+  response.SetHeader("Location", context.links.self + "/reconstructions/" + job->id);
+}
+
+void GetStatus(const RouteContext& context, const Request& request, Response& response) {
+  const Result<Job> job = context.jobs.Get(request.Capture("id"));
+  if (!job.ok()) return response.SetError(job.status());
+  response.SetJson(StatusJson(*job, context.links));
+}
+
+Result<Json> ListJobs(const RouteContext& context, const Request& request) {
+  JobFilter filter{kReconstructKind, "", std::nullopt};
+  if (const std::optional<std::string> state = request.Query("status")) {
+    DRUPE_ASSIGN_OR_RETURN(filter.state, ParseJobState(*state));
+  }
+  DRUPE_ASSIGN_OR_RETURN(const std::int64_t limit, request.QueryInt("limit", 50, 1, 200));
+  const std::string cursor = request.Query("cursor").value_or("");
+  DRUPE_ASSIGN_OR_RETURN(const JobPage page, context.jobs.List(filter, static_cast<int>(limit), cursor));
+  Json list = Json::array();
+  for (const Job& job : page.jobs) list.push_back(SummaryJson(job, context.links));
+  return Json{{"reconstructions", list}, {"next_cursor", page.next_cursor.empty() ? Json() : Json(page.next_cursor)}};
+}
+
+void List(const RouteContext& context, const Request& request, Response& response) {
+  const Result<Json> list = ListJobs(context, request);
+  if (!list.ok()) return response.SetError(list.status());
+  response.SetJson(*list);
+}
+
+void Cancel(const RouteContext& context, const Request& request, Response& response) {
+  const Result<Job> job = context.jobs.Cancel(request.Capture("id"));
+  if (!job.ok()) return response.SetError(job.status());
+  response.SetJson(SummaryJson(*job, context.links), IsTerminal(job->state) ? 200 : 202);
+}
+
+/// Sends the status whenever it has changed, up to the end of the job.
+class StatusEvents {
+ public:
+  StatusEvents(const RouteContext& context, std::string id) : context_(context), id_(std::move(id)) {}
+
+  bool operator()(EventSink& sink) {
+    const std::uint64_t version = context_.jobs.changes().version();
+    if (seen_ == version) return true;
+    seen_ = version;
+    const Result<Job> job = context_.jobs.Get(id_);
+    if (!job.ok()) return false;
+    const Json status = SummaryJson(*job, context_.links);
+    if (status != last_ && !sink.Send("status", status)) return false;
+    last_ = status;
+    return !IsTerminal(job->state);
+  }
+
+ private:
+  RouteContext context_;
+  std::string id_;
+  std::optional<std::uint64_t> seen_;
+  Json last_;
+};
+
+void Events(const RouteContext& context, const Request& request, Response& response) {
+  const Result<Job> job = context.jobs.Get(request.Capture("id"));
+  if (!job.ok()) return response.SetError(job.status());
+  response.SetEvents(StatusEvents(context, job->id));
+}
+
+/// The digest of an artifact. Errors: 404 `job_not_found`, `artifact_not_found`.
+Result<std::string> FindArtifact(const RouteContext& context, const std::string& id, const std::string& name) {
+  DRUPE_ASSIGN_OR_RETURN(const Job job, context.jobs.Get(id));
+  if (job.result) {
+    for (const Json& artifact : job.result->value("artifacts", Json::array())) {
+      if (artifact.value("name", "") == name) return artifact.value("sha256", "");
+    }
+  }
+  const std::string why =
+      job.state == JobState::kSucceeded ? "" : "; the job is " + std::string(JobStateName(job.state));
+  return NotFound("artifact_not_found", "there is no artifact " + name + why);
+}
+
+void GetArtifact(const RouteContext& context, const Request& request, Response& response) {
+  const std::string& name = request.Capture("name");
+  const Result<std::string> sha256 = FindArtifact(context, request.Capture("id"), name);
+  if (!sha256.ok()) return response.SetError(sha256.status());
+  Result<std::unique_ptr<ObjectReader>> reader = context.objects.OpenObject(*sha256);
+  if (!reader.ok()) return response.SetError(reader.status());
+  SendContent(request, std::make_shared<ObjectSource>(std::move(*reader)), MediaTypeOf(name), *sha256, response);
+}
+
+void ListArtifacts(const RouteContext& context, const Request& request, Response& response) {
+  const Result<Job> job = context.jobs.Get(request.Capture("id"));
+  if (!job.ok()) return response.SetError(job.status());
+  response.SetJson({{"artifacts", StatusJson(*job, context.links).at("artifacts")}});
+}
+
+}  // namespace
+
+void AddReconstructionRoutes(Router& router, const RouteContext& context) {
+  const auto bind = [context](auto function) {
+    return [context, function](const Request& request, Response& response) { function(context, request, response); };
+  };
+  const RouteOptions upload{.max_body_bytes = context.limits.max_request_bytes, .upload = true};
+  router.Add("POST", "/reconstruct", upload, bind(Submit));
+  router.Add("GET", "/reconstructions", {}, bind(List));
+  router.Add("GET", "/reconstructions/{id:rec}", {}, bind(GetStatus));
+  router.Add("DELETE", "/reconstructions/{id:rec}", {}, bind(Cancel));
+  router.Add("GET", "/reconstructions/{id:rec}/events", {}, bind(Events));
+  router.Add("GET", "/reconstructions/{id:rec}/artifacts", {}, bind(ListArtifacts));
+  router.Add("GET", "/reconstructions/{id:rec}/artifacts/{name}", {}, bind(GetArtifact));
+}
+
+}  // namespace drupe
