@@ -198,12 +198,12 @@ Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrin
   adjustment.refine_intrinsics = refine_intrinsics;
   adjustment.function_tolerance = 1e-4;
   NoiseLevels noise;
-  constexpr int kRounds = 2;
-  for (int round = 0; round < kRounds; ++round) {
-    const bool is_last = round + 1 == kRounds;
+  const int rounds = refine_intrinsics ? 4 : 2;  // a better camera brings back observations, which make a better camera
+  for (int round = 0; round < rounds; ++round) {
+    const bool is_last = round + 1 == rounds;
     if (is_last) adjustment.function_tolerance = 1e-7;
     DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
-    context.Report("sparse", 0.7 + 0.3 * (round + 1) / kRounds);
+    context.Report("sparse", 0.7 + 0.3 * (round + 1) / rounds);
     noise = EstimateNoise(state);
     adjustment.feature_sigma_px = std::max(kMinNoisePx, noise.feature_px);
     adjustment.board_sigma_px = std::max(kMinNoisePx, noise.board_px);

@@ -69,6 +69,14 @@ Status StartFromPair(const MatchGraph& matches, const SparseOptions& options, co
     if (tracks >= kMinTracks) return Status::Ok();
   }
   Forget(state);
+  const bool is_calibrated = std::any_of(matches.pairs.begin(), matches.pairs.end(),
+                                         [](const TwoViewMatches& pair) { return pair.calibrated; });
+  if (!is_calibrated && !matches.pairs.empty()) {
+    return Unprocessable(
+        "no_initial_pair",
+        "nothing is known about the lens, so two pictures alone do not show how the camera moved; give "
+        "a calibration, or keep the board in view");
+  }
   return Unprocessable("no_initial_pair",
                        "no two pictures share enough features seen under different angles to begin with; use more "
                        "pictures with smaller turns between them (10 degrees or less), a textured base or board under "

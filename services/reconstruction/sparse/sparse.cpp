@@ -6,6 +6,7 @@
 
 #include "geometry/sim3.h"
 #include "reconstruction/sparse/board_frame.h"
+#include "reconstruction/sparse/focal_from_board.h"
 #include "reconstruction/sparse/incremental.h"
 #include "reconstruction/sparse/initial_pair.h"
 #include "reconstruction/sparse/model_from_state.h"
@@ -65,6 +66,15 @@ Status PlaceViews(const SparseInput& input, const SparseOptions& options, const 
   return GrowModel(board_poses, options, context, state);  // the board may now place what features could not
 }
 
+/// A guessed focal length gives way to the board's own, where the board shows one.
+void ImproveGuess(const SparseInput& input, const SparseOptions& options, SfmState& state) {
+  if (input.intrinsics_source == IntrinsicsSource::kGiven) return;
+  const auto focal = FocalFromBoard(state, options.min_board_corners);
+  if (!focal) return;
+  state.camera.fx = state.camera.fy = *focal;
+  Remeasure(state);
+}
+
 Status CheckRegistered(const SfmState& state, const SparseOptions& options) {
   const int registered = state.RegisteredCount();
   if (registered >= options.min_registered_share * state.ViewCount() && registered >= 2) return Status::Ok();
@@ -82,6 +92,7 @@ Result<SparseModel> RunSparse(const SparseInput& input, const SparseOptions& opt
   DRUPE_RETURN_IF_ERROR(CheckSizes(input));
   context.Report("sparse", 0);
   SfmState state = MakeSfmState(input);
+  ImproveGuess(input, options, state);
   DRUPE_RETURN_IF_ERROR(PlaceViews(input, options, context, state));
   DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));
   DRUPE_ASSIGN_OR_RETURN(const NoiseLevels noise, FinishModel(options, input.refine_intrinsics, context, state));

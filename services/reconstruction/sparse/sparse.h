@@ -21,7 +21,7 @@ struct SparseInput {
   std::span<const Features> features;      ///< one an image; only keypoints are read, descriptors may have been freed
   const MatchGraph* matches = nullptr;     ///< verified pairs; chooses where to begin
   const TrackList* tracks = nullptr;       ///< one keypoint a view, over all pairs
-  const ViewClusters* clusters = nullptr;  ///< may be null: one cluster
+  const ViewClusters* clusters = nullptr;  ///< may be null: the model is grown as a whole, whatever the clusters
   PinholeCamera camera;
   IntrinsicsSource intrinsics_source = IntrinsicsSource::kGiven;
   bool refine_intrinsics = false;  ///< focal length and radial distortion enter the final adjustment

@@ -127,6 +127,27 @@ TEST(SparseTest, RefinedIntrinsicsReturnToTheTruth) {
   EXPECT_LT(scene.MeanCentreError(*model), 0.3);
 }
 
+TEST(SparseTest, BoardShowsTheFocalLengthOfAnUnknownLens) {
+  const SyntheticScene scene;
+  SparseInput input = scene.Input(true);
+  input.camera.fx = input.camera.fy = 1.2 * 1280;  // 15 % short
+  input.camera.dist = {};
+  input.intrinsics_source = IntrinsicsSource::kEstimated;
+  input.refine_intrinsics = true;
+  const auto model = RunSparse(input, SparseOptions{}, RunContext{});
+  ASSERT_TRUE(model.ok()) << model.status().ToString();
+  EXPECT_EQ(model->RegisteredCount(), 24);
+  EXPECT_NEAR(model->camera.fx / scene.camera.fx, 1.0, 0.01);
+}
+
+TEST(SparseTest, UnknownLensWithoutABoardSaysWhatIsMissing) {
+  SyntheticScene scene;
+  for (TwoViewMatches& pair : scene.matches.pairs) pair.calibrated = false;
+  const Status status = RunSparse(scene.Input(false), SparseOptions{}, RunContext{}).status();
+  EXPECT_EQ(status.code(), "no_initial_pair");
+  EXPECT_NE(status.message().find("calibration"), std::string::npos);
+}
+
 TEST(SparseTest, TooFewRegisteredIsAnError) {
   SyntheticScene scene;
   for (int v = 8; v < 24; ++v) scene.Blind(v);
