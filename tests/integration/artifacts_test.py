@@ -8,6 +8,8 @@ from drupe import QUICK_OPTIONS, DrupeTest, sample_images
 
 
 class ArtifactsTest(DrupeTest):
+    services = ("reconstruction",)
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()

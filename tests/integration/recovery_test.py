@@ -9,7 +9,7 @@ IMAGES = 12
 
 
 class RecoveryTest(DrupeTest):
-    reconstruction_arguments = ()
+    reconstruction_arguments = ("--drain-s", "0.5")  # so that SIGTERM gives a job back instead of finishing it
 
     def wait_for_stage(self, job_id, stage):
         """Returns once the job is in `stage`; fails when it has ended before."""
