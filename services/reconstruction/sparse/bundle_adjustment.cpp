@@ -43,7 +43,6 @@ class StopWhenCancelled final : public ceres::IterationCallback {
 
 ceres::Problem::Options ProblemOptions() {
   ceres::Problem::Options options;
-  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.disable_all_safety_checks = true;
@@ -133,12 +132,11 @@ class Adjustment {
     const double sigma = options_.feature_sigma_px * observation.sigma_px;
     double* pose = UsePose(observation.view);
     if (options_.refine_intrinsics) {
-      refined_costs_.emplace_back(state_.camera, observation.measured.pixel, sigma);
-      problem_.AddResidualBlock(&refined_costs_.back(), &feature_loss_, pose, point, intrinsics_.data());
+      auto cost = MakeRefinedCameraCost(state_.camera, observation.measured.pixel, sigma);
+      problem_.AddResidualBlock(cost.release(), &feature_loss_, pose, point, intrinsics_.data());
       return;
     }
-    feature_costs_.emplace_back(observation.measured, sigma);
-    problem_.AddResidualBlock(&feature_costs_.back(), &feature_loss_, pose, point);
+    problem_.AddResidualBlock(MakeReprojectionCost(observation.measured, sigma).release(), &feature_loss_, pose, point);
   }
 
   void AddBoardCorners(int view) {
@@ -148,14 +146,14 @@ class Adjustment {
       if (options_.refine_intrinsics) {
         fixed_points_.push_back(corner.planned + state_.ink_spread_mm * corner.outward);
         double* point = fixed_points_.back().data();
-        refined_costs_.emplace_back(state_.camera, corner.measured.pixel, options_.board_sigma_px);
-        problem_.AddResidualBlock(&refined_costs_.back(), &board_loss_, pose, point, intrinsics_.data());
+        auto cost = MakeRefinedCameraCost(state_.camera, corner.measured.pixel, options_.board_sigma_px);
+        problem_.AddResidualBlock(cost.release(), &board_loss_, pose, point, intrinsics_.data());
         problem_.SetParameterBlockConstant(point);
         ordering_.AddElementToGroup(point, 0);
         continue;
       }
-      board_costs_.emplace_back(corner, options_.board_sigma_px);
-      problem_.AddResidualBlock(&board_costs_.back(), &board_loss_, pose, &state_.ink_spread_mm);
+      auto cost = MakeBoardCornerCost(corner, options_.board_sigma_px);
+      problem_.AddResidualBlock(cost.release(), &board_loss_, pose, &state_.ink_spread_mm);
     }
   }
 
@@ -170,8 +168,9 @@ class Adjustment {
     if (needs_gauge && first != is_in_problem_.end()) {
       problem_.SetParameterBlockConstant(poses_[first - is_in_problem_.begin()].data());
     }
-    if (!board_costs_.empty()) ordering_.AddElementToGroup(&state_.ink_spread_mm, 1);
-    if (!refined_costs_.empty()) ordering_.AddElementToGroup(intrinsics_.data(), 1);
+    for (double* block : {&state_.ink_spread_mm, intrinsics_.data()}) {
+      if (problem_.HasParameterBlock(block)) ordering_.AddElementToGroup(block, 1);
+    }
   }
 
   SfmState& state_;
@@ -182,10 +181,7 @@ class Adjustment {
   std::vector<PoseBlock> poses_;
   std::vector<std::uint8_t> is_in_problem_;
   std::array<double, kIntrinsicsSize> intrinsics_;
-  std::deque<ReprojectionCost> feature_costs_;  // deques: addresses must not move
-  std::deque<BoardCornerCost> board_costs_;
-  std::deque<RefinedCameraCost> refined_costs_;
-  std::deque<Eigen::Vector3d> fixed_points_;
+  std::deque<Eigen::Vector3d> fixed_points_;  // a deque: addresses must not move
   ceres::ParameterBlockOrdering ordering_;
   ceres::Problem problem_;
 };

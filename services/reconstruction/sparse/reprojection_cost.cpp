@@ -1,5 +1,7 @@
 #include "reconstruction/sparse/reprojection_cost.h"
 
+#include <ceres/sized_cost_function.h>
+
 #include <Eigen/Geometry>
 
 namespace drupe {
@@ -51,10 +53,43 @@ struct Transformed {
   Eigen::Vector3d in_cam;
 };
 
-}  // namespace
+class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3> {
+ public:
+  ReprojectionCost(const ImageMeasurement& measured, double sigma_px)
+      : xy_(measured.xy), whitened_pixel_from_normalised_(measured.pixel_from_normalised / sigma_px) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
-ReprojectionCost::ReprojectionCost(const ImageMeasurement& measured, double sigma_px)
-    : xy_(measured.xy), whitened_pixel_from_normalised_(measured.pixel_from_normalised / sigma_px) {}
+ private:
+  Eigen::Vector2d xy_;
+  Eigen::Matrix2d whitened_pixel_from_normalised_;
+};
+
+class BoardCornerCost final : public ceres::SizedCostFunction<2, kPoseSize, 1> {
+ public:
+  BoardCornerCost(const BoardCorner& corner, double sigma_px)
+      : planned_(corner.planned),
+        outward_(corner.outward),
+        xy_(corner.measured.xy),
+        whitened_pixel_from_normalised_(corner.measured.pixel_from_normalised / sigma_px) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  Eigen::Vector3d planned_, outward_;
+  Eigen::Vector2d xy_;
+  Eigen::Matrix2d whitened_pixel_from_normalised_;
+};
+
+class RefinedCameraCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, kIntrinsicsSize> {
+ public:
+  RefinedCameraCost(const PinholeCamera& camera, const Eigen::Vector2d& pixel, double sigma_px)
+      : camera_(camera), pixel_(pixel), whitening_(1 / sigma_px) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  const PinholeCamera& camera_;
+  Eigen::Vector2d pixel_;
+  double whitening_;
+};
 
 bool ReprojectionCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
   const Transformed point(parameters[0], Eigen::Map<const Eigen::Vector3d>(parameters[1]));
@@ -67,12 +102,6 @@ bool ReprojectionCost::Evaluate(double const* const* parameters, double* residua
   if (jacobians[1] != nullptr) Eigen::Map<PointJacobian>(jacobians[1]).noalias() = by_camera * point.Rotation();
   return true;
 }
-
-BoardCornerCost::BoardCornerCost(const BoardCorner& corner, double sigma_px)
-    : planned_(corner.planned),
-      outward_(corner.outward),
-      xy_(corner.measured.xy),
-      whitened_pixel_from_normalised_(corner.measured.pixel_from_normalised / sigma_px) {}
 
 bool BoardCornerCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
   const Transformed point(parameters[0], planned_ + parameters[1][0] * outward_);
@@ -113,6 +142,21 @@ bool RefinedCameraCost::Evaluate(double const* const* parameters, double* residu
     jacobian.col(2) = whitening_ * r2 * r2 * in_pixels;
   }
   return true;
+}
+
+}  // namespace
+
+std::unique_ptr<ceres::CostFunction> MakeReprojectionCost(const ImageMeasurement& measured, double sigma_px) {
+  return std::make_unique<ReprojectionCost>(measured, sigma_px);
+}
+
+std::unique_ptr<ceres::CostFunction> MakeBoardCornerCost(const BoardCorner& corner, double sigma_px) {
+  return std::make_unique<BoardCornerCost>(corner, sigma_px);
+}
+
+std::unique_ptr<ceres::CostFunction> MakeRefinedCameraCost(const PinholeCamera& camera, const Eigen::Vector2d& pixel,
+                                                           double sigma_px) {
+  return std::make_unique<RefinedCameraCost>(camera, pixel, sigma_px);
 }
 
 }  // namespace drupe

@@ -1,5 +1,6 @@
 #include "reconstruction/sparse/reprojection_cost.h"
 
+#include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -58,18 +59,17 @@ void CheckDerivatives(const ceres::CostFunction& cost, std::vector<std::vector<d
 }
 
 TEST(ReprojectionCostTest, DerivativesMatchDifferences) {
-  CheckDerivatives(ReprojectionCost(MeasurementNear({700, 300}), 0.5), {TestPose(), {8, -3, 12}});
+  CheckDerivatives(*MakeReprojectionCost(MeasurementNear({700, 300}), 0.5), {TestPose(), {8, -3, 12}});
 }
 
 TEST(ReprojectionCostTest, BoardDerivativesMatchDifferences) {
   const BoardCorner corner{{8, -3, 0}, {1, -1, 0}, MeasurementNear({700, 300})};
-  CheckDerivatives(BoardCornerCost(corner, 0.1), {TestPose(), {0.02}});
+  CheckDerivatives(*MakeBoardCornerCost(corner, 0.1), {TestPose(), {0.02}});
 }
 
 TEST(ReprojectionCostTest, RefinedCameraDerivativesMatchDifferences) {
   const PinholeCamera camera = TestCamera();
-  const RefinedCameraCost cost(camera, {700, 300}, 0.5);
-  CheckDerivatives(cost, {TestPose(), {8, -3, 12}, {1.01, -0.05, 0.02}});
+  CheckDerivatives(*MakeRefinedCameraCost(camera, {700, 300}, 0.5), {TestPose(), {8, -3, 12}, {1.01, -0.05, 0.02}});
 }
 
 TEST(ReprojectionCostTest, LinearisedLensAgreesWithTheLens) {
@@ -78,21 +78,21 @@ TEST(ReprojectionCostTest, LinearisedLensAgreesWithTheLens) {
   const Eigen::Quaterniond q(pose[3], pose[0], pose[1], pose[2]);
   const Eigen::Vector2d projected = *TestCamera().Project(q * point + Eigen::Vector3d(pose[4], pose[5], pose[6]));
   const Eigen::Vector2d offset(2, -3);
-  const ReprojectionCost cost(MeasurementNear(projected + offset), 1.0);
+  const auto cost = MakeReprojectionCost(MeasurementNear(projected + offset), 1.0);
   const double* parameters[] = {pose.data(), point.data()};
   double residual[2];
-  ASSERT_TRUE(cost.Evaluate(parameters, residual, nullptr));
+  ASSERT_TRUE(cost->Evaluate(parameters, residual, nullptr));
   EXPECT_NEAR(residual[0], -offset.x(), 1e-3);
   EXPECT_NEAR(residual[1], -offset.y(), 1e-3);
 }
 
 TEST(ReprojectionCostTest, PointBehindTheCameraIsRefused) {
-  const ReprojectionCost cost(MeasurementNear({700, 300}), 1.0);
+  const auto cost = MakeReprojectionCost(MeasurementNear({700, 300}), 1.0);
   const std::vector<double> pose = {0, 0, 0, 1, 0, 0, 0};
   const Eigen::Vector3d behind(0, 0, -5);
   const double* parameters[] = {pose.data(), behind.data()};
   double residual[2];
-  EXPECT_FALSE(cost.Evaluate(parameters, residual, nullptr));
+  EXPECT_FALSE(cost->Evaluate(parameters, residual, nullptr));
 }
 
 }  // namespace
