@@ -54,7 +54,7 @@ class CliTest(unittest.TestCase):
         self.assertTrue({".svg", ".png"} <= suffixes, suffixes)
 
     def test_wrong_arguments(self):
-        for arguments, words in ((["run"], "IMAGES_DIR"), (["fly"], "fly"), ([], "subcommand")):
+        for arguments, words in ((["run"], "IMAGES_DIR"), (["fly"], "subcommand"), ([], "subcommand")):
             with self.subTest(arguments=arguments):
                 run = self.drupe(*arguments)
                 self.assertEqual(run.returncode, 2, run)

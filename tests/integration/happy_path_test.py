@@ -6,6 +6,7 @@ import json
 import unittest
 
 import accuracy
+import contract
 from drupe import SAMPLE, DrupeTest, sample_images, sample_parts
 
 ARTIFACTS = ("cameras.json", "sparse.ply", "dense.ply", "colmap.zip", "model.nvm", "timings.json")
@@ -31,6 +32,10 @@ class HappyPathTest(DrupeTest):
         self.assertEqual(self.status["progress"], 1)
         self.assertEqual(self.status["quality"]["registered"], 36)
         self.assertGreater(self.status["timings"]["total_wall_s"], 0)
+
+    def test_report_follows_its_schema(self):
+        problems = contract.Contract().schema_problems({"$ref": "schemas/report.schema.json"}, self.report)
+        self.assertEqual(problems, [])
 
     def test_report_names_its_reconstruction_and_inputs(self):
         self.assertEqual(self.report["id"], self.id)
