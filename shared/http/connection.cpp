@@ -56,7 +56,7 @@ Connection::~Connection() {
 bool Connection::WaitForRequest(milliseconds idle, const std::function<bool()>& give_up) {
   const SteadyClock::time_point deadline = SteadyClock::now() + idle;
   while (ahead_.empty()) {
-    if (WaitFor(socket_, POLLIN, std::min(kPollSlice, Until(deadline)))) return true;
+    if (WaitFor(socket_, POLLIN, std::min(kPollSlice, Until(deadline)))) return !PeerHasGone();
     if (give_up() || Until(deadline) == milliseconds(0)) return false;
   }
   return true;

@@ -219,6 +219,18 @@ TEST_F(ServerTest, ReadBodiesKeepTheConnection) {
   EXPECT_LT(reply.find("one"), reply.find("two"));
 }
 
+TEST_F(ServerTest, ClosedIdleConnectionIsNoRequest) {
+  Start();
+  {
+    RawSocket silent(server_->port());
+    RawSocket done(server_->port());
+    done.Send("GET /hello HTTP/1.1\r\nHost: h\r\n\r\n");
+    done.ReadUntil("hello");
+  }
+  Stop();
+  EXPECT_EQ(metrics_.Text().find("status=\"400\""), std::string::npos) << metrics_.Text();
+}
+
 TEST_F(ServerTest, LongHeadsAreRefused) {
   Start();
   ExpectError(Get("/hello", "X: " + std::string(20'000, 'a') + "\r\n"), 431, "headers_too_large");
@@ -299,6 +311,7 @@ TEST_F(ServerTest, HealthIsAnsweredWhenEveryPlaceIsTaken) {
   EXPECT_TRUE(Get("/healthz").ends_with("fine"));
   ExpectError(Get("/hello"), 503, "server_busy");
   EXPECT_LT(std::chrono::steady_clock::now() - start, milliseconds(1000));
+  std::this_thread::sleep_for(milliseconds(200));  // until the two connections above have given their places back
   for (int i = 0; i < options_.reserved_connections; ++i) idle.push_back(std::make_unique<RawSocket>(server_->port()));
   std::this_thread::sleep_for(milliseconds(200));
   ExpectError(Get("/healthz"), 503, "server_busy");
