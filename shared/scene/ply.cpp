@@ -23,14 +23,22 @@ struct TypeName {
   Type type;
   std::size_t size;
 };
-constexpr std::array<TypeName, 16> kTypes = {{{"char", Type::kInt8, 1},      {"int8", Type::kInt8, 1},
-                                              {"uchar", Type::kUint8, 1},    {"uint8", Type::kUint8, 1},
-                                              {"short", Type::kInt16, 2},    {"int16", Type::kInt16, 2},
-                                              {"ushort", Type::kUint16, 2},  {"uint16", Type::kUint16, 2},
-                                              {"int", Type::kInt32, 4},      {"int32", Type::kInt32, 4},
-                                              {"uint", Type::kUint32, 4},    {"uint32", Type::kUint32, 4},
-                                              {"float", Type::kFloat, 4},    {"float32", Type::kFloat, 4},
-                                              {"double", Type::kDouble, 8},  {"float64", Type::kDouble, 8}}};
+constexpr std::array<TypeName, 16> kTypes = {{{"char", Type::kInt8, 1},
+                                              {"int8", Type::kInt8, 1},
+                                              {"uchar", Type::kUint8, 1},
+                                              {"uint8", Type::kUint8, 1},
+                                              {"short", Type::kInt16, 2},
+                                              {"int16", Type::kInt16, 2},
+                                              {"ushort", Type::kUint16, 2},
+                                              {"uint16", Type::kUint16, 2},
+                                              {"int", Type::kInt32, 4},
+                                              {"int32", Type::kInt32, 4},
+                                              {"uint", Type::kUint32, 4},
+                                              {"uint32", Type::kUint32, 4},
+                                              {"float", Type::kFloat, 4},
+                                              {"float32", Type::kFloat, 4},
+                                              {"double", Type::kDouble, 8},
+                                              {"float64", Type::kDouble, 8}}};
 
 struct Property {
   std::string name;
@@ -45,7 +53,9 @@ struct Header {
   std::size_t data_begin = 0;
 };
 
-Status BadPly(const std::string& what) { return Unprocessable("bad_ply", "not a usable PLY file: " + what); }
+Status BadPly(const std::string& what) {
+  return Unprocessable("bad_ply", "not a usable PLY file: " + what);
+}
 
 /// Splits at blanks.
 std::vector<std::string_view> Words(std::string_view line) {
@@ -144,14 +154,22 @@ double LoadAs(const char* at) {
 
 double Load(const char* at, Type type) {
   switch (type) {
-    case Type::kInt8: return LoadAs<std::int8_t>(at);
-    case Type::kUint8: return LoadAs<std::uint8_t>(at);
-    case Type::kInt16: return LoadAs<std::int16_t>(at);
-    case Type::kUint16: return LoadAs<std::uint16_t>(at);
-    case Type::kInt32: return LoadAs<std::int32_t>(at);
-    case Type::kUint32: return LoadAs<std::uint32_t>(at);
-    case Type::kFloat: return LoadAs<float>(at);
-    case Type::kDouble: return LoadAs<double>(at);
+    case Type::kInt8:
+      return LoadAs<std::int8_t>(at);
+    case Type::kUint8:
+      return LoadAs<std::uint8_t>(at);
+    case Type::kInt16:
+      return LoadAs<std::int16_t>(at);
+    case Type::kUint16:
+      return LoadAs<std::uint16_t>(at);
+    case Type::kInt32:
+      return LoadAs<std::int32_t>(at);
+    case Type::kUint32:
+      return LoadAs<std::uint32_t>(at);
+    case Type::kFloat:
+      return LoadAs<float>(at);
+    case Type::kDouble:
+      return LoadAs<double>(at);
   }
   return 0;
 }
@@ -249,7 +267,8 @@ Result<PointCloud> ReadPly(std::string_view bytes, const PlyLimits& limits) {
   DRUPE_ASSIGN_OR_RETURN(const Header header, HeaderParser(limits).Parse(bytes));
   const auto count = static_cast<std::size_t>(header.count);
   // Both factors are limited, so the product cannot overflow; memory is taken only for what the file really holds.
-  if (bytes.size() - header.data_begin < count * header.vertex_bytes) return BadPly("the file ends before its vertices");
+  if (bytes.size() - header.data_begin < count * header.vertex_bytes)
+    return BadPly("the file ends before its vertices");
   const VertexReader reader(header, bytes);
   if (!reader.Has("x") || !reader.Has("y") || !reader.Has("z")) return BadPly("x, y or z is missing");
   PointCloud cloud;

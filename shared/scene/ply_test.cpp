@@ -19,7 +19,9 @@ PointCloud TwoPoints() {
   return cloud;
 }
 
-std::string Header(const std::string& body) { return "ply\nformat binary_little_endian 1.0\n" + body + "end_header\n"; }
+std::string Header(const std::string& body) {
+  return "ply\nformat binary_little_endian 1.0\n" + body + "end_header\n";
+}
 
 const char kXyz[] = "property float x\nproperty float y\nproperty float z\n";
 

@@ -33,7 +33,7 @@ struct DenseOptions {
   int min_image_num = 3;      ///< least number of views that agree on a patch, its reference included (2..16)
   double max_angle_deg = 10;  ///< least angle between two of a patch's views, in degrees (1..60; PMVS: maxAngle)
   Scene scene = Scene::kFruit;
-  double min_height_mm = 3;   ///< what lies lower above the board is board, not fruit (0..1000)
+  double min_height_mm = 3;             ///< what lies lower above the board is board, not fruit (0..1000)
   std::int64_t max_points = 8'000'000;  ///< csize grows until the cloud is expected to stay below (1000..)
   std::size_t memory_limit_mb = 4000;   ///< level grows until the pictures are expected to fit (100..)
 

@@ -1,0 +1,160 @@
+#include "reconstruction/dense/dense.h"
+
+#include <algorithm>
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "base/parallel.h"
+#include "reconstruction/dense/cloud_assembly.h"
+#include "reconstruction/dense/expansion.h"
+#include "reconstruction/dense/point_colours.h"
+#include "reconstruction/dense/prediction.h"
+#include "reconstruction/dense/scene_loader.h"
+#include "reconstruction/dense/surface_fit.h"
+#include "reconstruction/dense/visibility.h"
+
+namespace drupe {
+
+namespace dense {
+
+namespace {
+
+constexpr int kCoarseCsize = 2;          ///< of all levels above the finest
+constexpr float kSeedSlopeSigma = 0.5f;  ///< pixels of parallax a pixel: seeds know little of the normal
+constexpr float kRefineSlopeSigma = 0.05f;
+constexpr float kLeastPriorSigma = 0.03f, kLargestPriorSigma = 1.0f;  ///< pixels of parallax
+constexpr double kOwnedSlack = 0.99;  ///< work around the strip that a view owns, which the surface fit needs
+constexpr int kFitRadius = 5;         ///< cells of a level above the finest
+constexpr int kFinestFitRadius = 8;   ///< cells of the finest level
+
+/// One level's state: what it is about and the patches of all views.
+struct LevelState {
+  LevelContext context;
+  std::vector<PatchMap> maps;
+};
+
+SurfaceFitSettings FitSettings(const DenseOptions& options, int radius) {
+  SurfaceFitSettings settings;
+  settings.radius = radius;
+  settings.window_px = static_cast<float>(options.wsize);
+  return settings;
+}
+
+Status SmoothMaps(const RunContext& run, const SurfaceFitSettings& settings, std::vector<PatchMap>* maps) {
+  return ParallelFor(run, maps->size(), [&](std::size_t view) { (*maps)[view] = FitSurface((*maps)[view], settings); });
+}
+
+/// What every level above the finest goes through after its patches were found.
+Status Consolidate(const RunContext& run, LevelState* state) {
+  DRUPE_RETURN_IF_ERROR(FilterByVisibility(state->context, run, &state->maps));
+  DRUPE_RETURN_IF_ERROR(BorrowFromNeighbours(state->context, run, &state->maps));
+  return SmoothMaps(run, FitSettings(*state->context.scene->options, kFitRadius), &state->maps);
+}
+
+Result<LevelState> GrowCoarsest(const DenseScene& scene, int level, const RunContext& run) {
+  LevelState state{MakeLevelContext(scene, level, kCoarseCsize), std::vector<PatchMap>(scene.views.size())};
+  DRUPE_RETURN_IF_ERROR(ParallelFor(run, state.maps.size(), [&](std::size_t i) {
+    const int view = static_cast<int>(i);
+    PatchMap map = state.context.EmptyMap(view);
+    PlaceGuesses(state.context, view, SeedGuesses(state.context, view, map), kSeedSlopeSigma, &map);
+    Expand(state.context, view, run.cancelled, &map);
+    state.maps[i] = std::move(map);
+  }));
+  DRUPE_RETURN_IF_ERROR(Consolidate(run, &state));
+  return state;
+}
+
+/// The view's patches at the level of `context` from those of the level above; `wanted` as in PredictGuesses.
+PatchMap RefineMap(const LevelContext& context, int view, const PatchMap& coarse,
+                   const std::vector<std::uint8_t>& wanted) {
+  PatchMap map = context.EmptyMap(view);
+  std::vector<PatchGuess> guesses = PredictGuesses(coarse, wanted, map);
+  for (PatchGuess& guess : guesses) {
+    guess.plane.sigma = std::clamp(guess.plane.sigma, kLeastPriorSigma, kLargestPriorSigma);
+  }
+  PlaceGuesses(context, view, guesses, kRefineSlopeSigma, &map);
+  KeepGuesses(guesses, &map);
+  return map;
+}
+
+Result<LevelState> RefineWhole(const LevelState& coarse, const RunContext& run) {
+  LevelState state{MakeLevelContext(*coarse.context.scene, coarse.context.level - 1, kCoarseCsize),
+                   std::vector<PatchMap>(coarse.maps.size())};
+  DRUPE_RETURN_IF_ERROR(ParallelFor(run, state.maps.size(), [&](std::size_t i) {
+    const int view = static_cast<int>(i);
+    state.maps[i] = RefineMap(state.context, view, coarse.maps[i], {});
+    Expand(state.context, view, run.cancelled, &state.maps[i]);
+  }));
+  DRUPE_RETURN_IF_ERROR(Consolidate(run, &state));
+  return state;
+}
+
+/// The least csize >= the option's for which the owned cells stay within max_points.
+int FinestCsize(const LevelState& coarse, const std::vector<std::vector<std::uint8_t>>& owned) {
+  std::int64_t cells = 0;
+  for (const auto& flags : owned) cells += std::count(flags.begin(), flags.end(), 1);
+  const DenseOptions& options = *coarse.context.scene->options;
+  const std::int64_t pixels = cells * (2 * kCoarseCsize) * (2 * kCoarseCsize);
+  int csize = options.csize;
+  while (csize < 16 && pixels / (csize * csize) > options.max_points) ++csize;
+  return csize;
+}
+
+/// The finest level, only where each view owns the surface.
+Result<LevelState> RefineOwned(const LevelState& coarse, const RunContext& run) {
+  std::vector<std::vector<std::uint8_t>> owned(coarse.maps.size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(run, owned.size(), [&](std::size_t view) {
+    owned[view] = OwnedCells(coarse.context, static_cast<int>(view), coarse.maps, kOwnedSlack);
+  }));
+  const DenseScene& scene = *coarse.context.scene;
+  LevelState state{MakeLevelContext(scene, coarse.context.level - 1, FinestCsize(coarse, owned)),
+                   std::vector<PatchMap>(coarse.maps.size())};
+  DRUPE_RETURN_IF_ERROR(ParallelFor(run, owned.size(), [&](std::size_t view) {
+    const PatchMap map = RefineMap(state.context, static_cast<int>(view), coarse.maps[view], owned[view]);
+    state.maps[view] = FitSurface(map, FitSettings(*scene.options, kFinestFitRadius));
+  }));
+  return state;
+}
+
+Result<PointCloud> Reconstruct(const DenseInput& input, const DenseOptions& options, const RunContext& run) {
+  LevelPlan plan;
+  DRUPE_ASSIGN_OR_RETURN(const DenseScene scene, LoadScene(input, options, run, &plan));
+  run.Report("dense", 0.2);
+  DRUPE_ASSIGN_OR_RETURN(LevelState coarse, GrowCoarsest(scene, plan.coarsest, run));
+  run.Report("dense", 0.3);
+  while (coarse.context.level > plan.finest + 1) {
+    DRUPE_ASSIGN_OR_RETURN(coarse, RefineWhole(coarse, run));
+    run.Report("dense", 0.5);
+  }
+  AssembledCloud assembled;
+  {
+    DRUPE_ASSIGN_OR_RETURN(const LevelState fine, RefineOwned(coarse, run));
+    run.Report("dense", 0.8);
+    DRUPE_ASSIGN_OR_RETURN(assembled, AssembleCloud(fine.context, fine.maps, coarse.context, coarse.maps, run));
+  }
+  if (assembled.cloud.empty()) {
+    return Unprocessable("no_dense_points", "no surface was found on which enough pictures agree");
+  }
+  run.Report("dense", 0.9);
+  const bool lamps_stand_still = input.model->scale_source == ScaleSource::kBoard;
+  DRUPE_RETURN_IF_ERROR(
+      ColourPoints(coarse.context, coarse.maps, assembled.owners, lamps_stand_still, run, &assembled.cloud));
+  run.Report("dense", 1.0);
+  return std::move(assembled.cloud);
+}
+
+}  // namespace
+
+}  // namespace dense
+
+Result<PointCloud> RunDense(const DenseInput& input, const DenseOptions& options, const RunContext& context) {
+  DRUPE_RETURN_IF_ERROR(options.Check());
+  try {
+    return dense::Reconstruct(input, options, context);
+  } catch (const std::exception& error) {
+    return Internal("internal", std::string("dense reconstruction: ") + error.what());
+  }
+}
+
+}  // namespace drupe

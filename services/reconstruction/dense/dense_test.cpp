@@ -1,0 +1,141 @@
+#include "reconstruction/dense/dense.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "base/clock.h"
+#include "reconstruction/dense/synthetic_scene.h"
+#include "scene/ply.h"
+
+namespace drupe::dense {
+namespace {
+
+const Eigen::Vector3f kCentre(0, 0, 25);
+constexpr float kRadius = 12;
+
+const SyntheticScene& Ball() {
+  static const SyntheticScene scene = MakeBallScene();
+  return scene;
+}
+
+DenseInput InputOf(const SyntheticScene& scene) {
+  return {&scene.model, [&scene](int view) -> Result<RgbImage> { return scene.pictures[view].Clone(); }};
+}
+
+Result<PointCloud> RunBall(int threads) {
+  RunContext context;
+  context.threads = threads;
+  return RunDense(InputOf(Ball()), DenseOptions(), context);
+}
+
+const PointCloud& BallCloud() {
+  static const PointCloud cloud = RunBall(1).value();
+  return cloud;
+}
+
+float Percentile(std::vector<float> values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+TEST(DenseTest, RebuildsABall) {
+  const PointCloud& cloud = BallCloud();
+  ASSERT_GT(cloud.size(), 15'000u);
+  std::vector<float> errors, turns;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f outward = cloud.positions[i] - kCentre;
+    errors.push_back(std::abs(outward.norm() - kRadius));
+    turns.push_back(1 - cloud.normals[i].dot(outward.normalized()));
+  }
+  // A pixel is 0.22 wide on the ball.
+  EXPECT_LT(Percentile(errors, 0.5), 0.03f);
+  EXPECT_LT(Percentile(errors, 0.99), 0.15f);
+  EXPECT_LT(Percentile(turns, 0.95), 1 - std::cos(0.12f));
+}
+
+TEST(DenseTest, CoversEverythingThatIsSeen) {
+  const PointCloud& cloud = BallCloud();
+  constexpr int kColumns = 24, kRows = 12;
+  std::vector<int> hits(kColumns * kRows, 0);
+  for (const Eigen::Vector3f& position : cloud.positions) {
+    const Eigen::Vector3f d = (position - kCentre).normalized();
+    const int column = static_cast<int>((std::atan2(d.y(), d.x()) + M_PI) / (2 * M_PI) * kColumns) % kColumns;
+    const int row = std::clamp(static_cast<int>((d.z() + 1) / 2 * kRows), 0, kRows - 1);
+    ++hits[row * kColumns + column];
+  }
+  // The views look down at 23 degrees: what lies below z = -0.5 is seen at more than 70 degrees.
+  for (int row = 3; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column)
+      EXPECT_GT(hits[row * kColumns + column], 10) << row << " " << column;
+  }
+}
+
+TEST(DenseTest, FillsEveryAttribute) {
+  const PointCloud& cloud = BallCloud();
+  ASSERT_EQ(cloud.normals.size(), cloud.size());
+  ASSERT_EQ(cloud.colours.size(), cloud.size());
+  ASSERT_EQ(cloud.view_counts.size(), cloud.size());
+  ASSERT_EQ(cloud.ncc.size(), cloud.size());
+  ASSERT_EQ(cloud.expected_error.size(), cloud.size());
+  double colour_error = 0, views = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    colour_error += std::abs(cloud.colours[i][1] - (60 + 120 * TextureAt(cloud.positions[i].cast<double>())));
+    views += cloud.view_counts[i];
+    ASSERT_GT(cloud.expected_error[i], 0);
+    ASSERT_LE(cloud.ncc[i], 1.001f);
+  }
+  EXPECT_LT(colour_error / static_cast<double>(cloud.size()), 8);
+  EXPECT_GT(views / static_cast<double>(cloud.size()), 3);
+}
+
+TEST(DenseTest, DoesNotDependOnTheNumberOfThreads) {
+  const Result<PointCloud> two = RunBall(2);
+  ASSERT_TRUE(two.ok());
+  EXPECT_TRUE(WritePly(BallCloud()) == WritePly(*two));
+}
+
+TEST(DenseTest, StopsWhenCancelled) {
+  std::atomic<bool> stop = false;
+  RunContext context;
+  context.threads = 1;
+  context.progress = [&](std::string_view, double) { stop = true; };
+  context.cancelled = [&] { return stop.load(); };
+  const Result<PointCloud> cloud = RunDense(InputOf(Ball()), DenseOptions(), context);
+  EXPECT_EQ(cloud.status().kind(), StatusKind::kCancelled);
+}
+
+TEST(DenseTest, SaysWhyNothingCanBeDone) {
+  SparseModel model = Ball().model;
+  DenseInput input = InputOf(Ball());
+  input.model = &model;
+  model.tracks.clear();
+  EXPECT_EQ(RunDense(input, DenseOptions(), RunContext()).status().code(), "no_seeds");
+  model = Ball().model;
+  for (std::size_t i = 2; i < model.views.size(); ++i) model.views[i].cam_from_world.reset();
+  EXPECT_EQ(RunDense(input, DenseOptions(), RunContext()).status().code(), "too_few_views");
+  model = Ball().model;
+  input.load_rgb = [](int) -> Result<RgbImage> { return RgbImage(64, 64, 3); };
+  EXPECT_EQ(RunDense(input, DenseOptions(), RunContext()).status().code(), "image_size_mismatch");
+  input.load_rgb = [](int) -> Result<RgbImage> { return NotFound("image_gone", "gone"); };
+  EXPECT_EQ(RunDense(input, DenseOptions(), RunContext()).status().code(), "image_gone");
+}
+
+TEST(DenseOptionsTest, NamesTheFieldThatIsWrong) {
+  DenseOptions options;
+  EXPECT_TRUE(options.Check().ok());
+  options.wsize = 8;
+  EXPECT_EQ(options.Check().field(), "wsize");
+  options = DenseOptions();
+  options.threshold = std::nan("");
+  EXPECT_EQ(options.Check().field(), "threshold");
+  options = DenseOptions();
+  options.level = 7;
+  EXPECT_EQ(options.Check().field(), "level");
+}
+
+}  // namespace
+}  // namespace drupe::dense

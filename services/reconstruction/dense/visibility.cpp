@@ -1,0 +1,152 @@
+#include "reconstruction/dense/visibility.h"
+
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace drupe::dense {
+
+namespace {
+
+constexpr float kTolerance = 1.0f;  ///< pixels of parallax
+constexpr float kHidden = 5.0f;  ///< so far in front, another surface hides an element; nearer, one of the two is wrong
+constexpr int kLeastAgreeing = 2;
+constexpr double kLeastAgreeingShare = 0.4;  ///< of the neighbours that face the element
+
+SurfaceElement ElementOf(const LevelContext& context, int view, const PatchMap& map, int col, int row) {
+  return ToWorld(context.scene->views[view], context.cameras[view], map.Pixel(col), map.Pixel(row), map.At(col, row));
+}
+
+bool IsConfirmed(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
+                 const SurfaceElement& element) {
+  int agree = 0, violated = 0;
+  for (const int neighbour : context.scene->neighbours[reference]) {
+    const Sight sight = LookAt(context, neighbour, maps[neighbour], element, kTolerance);
+    agree += sight == Sight::kAgrees ? 1 : 0;
+    violated += sight == Sight::kViolated ? 1 : 0;
+  }
+  const int facing = std::popcount(FacingNeighbours(*context.scene, reference, element));
+  return agree >= kLeastAgreeing && agree >= violated && agree >= kLeastAgreeingShare * facing;
+}
+
+/// Puts the patches of `neighbour` into the cells that are empty in the reference's own map, the nearer surface first,
+/// of one surface the patch with the better NCC.
+void BorrowFrom(const LevelContext& context, int reference, int neighbour, const std::vector<PatchMap>& maps,
+                PatchMap* filled) {
+  constexpr float kSameSurface = 2.0f;  // pixels of parallax
+  const DenseView& view = context.scene->views[reference];
+  const LevelCamera& camera = context.cameras[reference];
+  const PatchMap &own = maps[reference], &other = maps[neighbour];
+  for (std::size_t i = 0; i < other.cells.size(); ++i) {
+    if (!other.cells[i].Filled()) continue;
+    const SurfaceElement element =
+        ElementOf(context, neighbour, other, static_cast<int>(i) % other.cols, static_cast<int>(i) / other.cols);
+    if (FacingNeighbours(*context.scene, reference, element) == 0) continue;
+    PatchCell patch = FromWorld(view, camera, element);
+    const Eigen::Vector2d pixel = camera.Pixel(view.cam_from_world * element.position);
+    const int col = own.CellOf(pixel.x()), row = own.CellOf(pixel.y());
+    if (patch.w <= 0 || !own.Holds(col, row) || own.At(col, row).Filled()) continue;
+    patch.w += static_cast<float>((own.Pixel(col) - pixel.x()) * patch.wu + (own.Pixel(row) - pixel.y()) * patch.wv);
+    patch.ncc = other.cells[i].ncc;
+    patch.sigma = other.cells[i].sigma;
+    PatchCell& cell = filled->At(col, row);
+    const float nearer = (patch.w - cell.w) / own.unit;
+    if (!cell.Filled() || nearer > kSameSurface || (nearer > -kSameSurface && patch.ncc > cell.ncc)) cell = patch;
+  }
+}
+
+/// Removes the borrowed patches that the views' own patches do not confirm.
+void DropUnconfirmed(const LevelContext& context, int reference, const std::vector<PatchMap>& maps, PatchMap* filled) {
+  for (std::size_t i = 0; i < filled->cells.size(); ++i) {
+    if (!filled->cells[i].Filled() || maps[reference].cells[i].Filled()) continue;
+    const SurfaceElement element =
+        ElementOf(context, reference, *filled, static_cast<int>(i) % filled->cols, static_cast<int>(i) / filled->cols);
+    if (!IsConfirmed(context, reference, maps, element)) filled->cells[i] = PatchCell();
+  }
+}
+
+}  // namespace
+
+Sight LookAt(const LevelContext& context, int view, const PatchMap& map, const SurfaceElement& element,
+             float tolerance) {
+  const DenseView& camera_view = context.scene->views[view];
+  const Eigen::Vector3d in_cam = camera_view.cam_from_world * element.position;
+  if (in_cam.z() <= 0) return Sight::kUnknown;
+  const Eigen::Vector2d pixel = context.cameras[view].Pixel(in_cam);
+  const int col = map.CellOf(pixel.x()), row = map.CellOf(pixel.y());
+  if (!map.Holds(col, row) || !map.At(col, row).Filled()) return Sight::kUnknown;
+  const PatchCell& cell = map.At(col, row);
+  const double plane = cell.w + cell.wu * (pixel.x() - map.Pixel(col)) + cell.wv * (pixel.y() - map.Pixel(row));
+  const double nearer = (1 / in_cam.z() - plane) / map.unit;
+  if (std::abs(nearer) <= tolerance) return Sight::kAgrees;
+  return nearer < 0 ? Sight::kOccluded : Sight::kViolated;
+}
+
+double ViewScore(const DenseScene& scene, int view, const SurfaceElement& element) {
+  const Eigen::Vector3d towards = scene.views[view].centre - element.position;
+  const double distance = towards.norm();
+  return element.normal.dot(towards) * scene.typical_depth * scene.typical_depth / (distance * distance * distance);
+}
+
+Status BorrowFromNeighbours(const LevelContext& context, const RunContext& run, std::vector<PatchMap>* maps) {
+  std::vector<PatchMap> filled = *maps;
+  DRUPE_RETURN_IF_ERROR(ParallelFor(run, maps->size(), [&](std::size_t view) {
+    for (const int neighbour : context.scene->neighbours[view]) {
+      BorrowFrom(context, static_cast<int>(view), neighbour, *maps, &filled[view]);
+    }
+    DropUnconfirmed(context, static_cast<int>(view), *maps, &filled[view]);
+  }));
+  *maps = std::move(filled);
+  return Status::Ok();
+}
+
+Status FilterByVisibility(const LevelContext& context, const RunContext& run, std::vector<PatchMap>* maps) {
+  std::vector<std::vector<std::uint8_t>> keep(maps->size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(run, maps->size(), [&](std::size_t view) {
+    const PatchMap& map = (*maps)[view];
+    keep[view].assign(map.cells.size(), 0);
+    for (std::size_t i = 0; i < map.cells.size(); ++i) {
+      if (!map.cells[i].Filled()) continue;
+      const SurfaceElement element = ElementOf(context, static_cast<int>(view), map, static_cast<int>(i) % map.cols,
+                                               static_cast<int>(i) / map.cols);
+      keep[view][i] = IsConfirmed(context, static_cast<int>(view), *maps, element) ? 1 : 0;
+    }
+  }));
+  for (std::size_t view = 0; view < maps->size(); ++view) {
+    for (std::size_t i = 0; i < keep[view].size(); ++i) {
+      if (!keep[view][i]) (*maps)[view].cells[i] = PatchCell();
+    }
+  }
+  return Status::Ok();
+}
+
+bool OwnsElement(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
+                 const SurfaceElement& element, double slack) {
+  const double own = ViewScore(*context.scene, reference, element);
+  if (own <= 0) return false;
+  for (const int neighbour : context.scene->neighbours[reference]) {
+    const double other = slack * ViewScore(*context.scene, neighbour, element);
+    if (other < own || (other == own && neighbour > reference)) continue;
+    if (LookAt(context, neighbour, maps[neighbour], element, kHidden) != Sight::kOccluded) return false;
+  }
+  return true;
+}
+
+std::vector<std::uint8_t> OwnedCells(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
+                                     double slack) {
+  const PatchMap& map = maps[reference];
+  std::vector<std::uint8_t> owned(map.cells.size(), 0);
+  for (int row = 0; row < map.rows; ++row) {
+    for (int col = 0; col < map.cols; ++col) {
+      if (!map.At(col, row).Filled()) continue;
+      const SurfaceElement element = ElementOf(context, reference, map, col, row);
+      owned[static_cast<std::size_t>(row) * map.cols + col] =
+          OwnsElement(context, reference, maps, element, slack) ? 1 : 0;
+    }
+  }
+  return owned;
+}
+
+}  // namespace drupe::dense
