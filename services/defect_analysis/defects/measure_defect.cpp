@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kMaxReportedContour = 400;  // points of contour_mm
 constexpr int kMostControlPoints = 160;
+constexpr double kBoundaryOffset = 0.1;    // of the points' spacing: standard uncertainty of the boundary as a whole
 constexpr double kSplineTolerance = 0.15;  // of the points' spacing: rms beyond which control points are doubled
 
 // Area of skin inside a polygon of the chart: the triangles of a fan about its centroid, each with the area scale of
@@ -99,7 +100,8 @@ double LevelAt(const TransitionField& field, const Eigen::Vector2d& flat) {
   return (1 - y) * ((1 - x) * node[0] + x * node[1]) + y * ((1 - x) * node[field.width] + x * node[field.width + 1]);
 }
 
-// Standard uncertainty of the area: the noise of the colours moves each independent piece of the boundary, and the
+// Standard uncertainty of the area: the noise of the colours moves each independent piece of the boundary; the whole
+// boundary may lie off by a tenth of the points' spacing, since that is how far the colours' own blur is known; and the
 // curvature correction is trusted to a third.
 double AreaUncertainty(const TransitionField& field, const Polygon& boundary, double perimeter) {
   double slope = 0;
@@ -114,8 +116,9 @@ double AreaUncertainty(const TransitionField& field, const Polygon& boundary, do
   const double level_noise = field.noise * field.spacing / piece + 0.02;
   const double shift = level_noise / std::max(0.05, slope);
   const double random = perimeter * shift / std::sqrt(std::max(1.0, perimeter / piece));
-  const double systematic = std::numbers::pi * field.blur * field.blur / 3;
-  return std::hypot(random, systematic);
+  const double offset = kBoundaryOffset * field.spacing * perimeter;
+  const double correction = std::numbers::pi * field.blur * field.blur / 3;
+  return std::hypot(random, offset, correction);
 }
 
 void MeasurePoints(const FruitCloud& fruit, const std::vector<std::uint32_t>& inside, const PlaneOptions& options,

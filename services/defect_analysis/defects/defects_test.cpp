@@ -1,0 +1,176 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "defect_analysis/defects/classify.h"
+#include "defect_analysis/defects/contour.h"
+#include "defect_analysis/defects/plane_fit.h"
+#include "defect_analysis/defects/segmentation.h"
+
+namespace drupe {
+namespace {
+
+Polygon Ellipse(double a, double b, int points) {
+  Polygon polygon;
+  for (int k = 0; k < points; ++k) {
+    const double t = 2 * std::numbers::pi * k / points;
+    polygon.emplace_back(3 + a * std::cos(t), -1 + b * std::sin(t));
+  }
+  return polygon;
+}
+
+FruitSurface Sphere(float radius) {
+  return FruitSurface(Eigen::Vector3d(1, 2, 3),
+                      CubeTable<float>::Of(16, [radius](const Eigen::Vector3d&) { return radius; }));
+}
+
+TEST(SegmentColours, IntactSkinHasOneClass) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise(0, 1.5f);
+  std::vector<Eigen::Vector3f> colours;
+  for (int k = 0; k < 20000; ++k) colours.emplace_back(noise(random), noise(random), noise(random));
+  const std::vector<std::uint8_t> used(colours.size(), 1);
+  const Segmentation result = SegmentColours(colours, used, 2, {});
+  EXPECT_EQ(result.centres.size(), 1u);
+  EXPECT_TRUE(std::all_of(result.class_of.begin(), result.class_of.end(), [](int c) { return c == 0; }));
+}
+
+TEST(SegmentColours, TwoKindsOfDefectsGetTheirOwnClasses) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise(0, 1);
+  const std::vector<Eigen::Vector3f> kinds = {{0, 0, 0}, {-8, 22, -20}, {-20, 40, -30}};
+  std::vector<Eigen::Vector3f> colours;
+  for (int k = 0; k < 30000; ++k) {
+    const int kind = k % 100 < 96 ? 0 : k % 100 < 98 ? 1 : 2;
+    colours.push_back(kinds[kind] + Eigen::Vector3f(noise(random), noise(random), noise(random)));
+  }
+  std::vector<std::uint8_t> used(colours.size(), 1);
+  used[98] = 0;  // a colour nobody has seen stays healthy
+  const Segmentation result = SegmentColours(colours, used, 1.5, {});
+  ASSERT_EQ(result.centres.size(), 3u);
+  EXPECT_EQ(result.class_of[0], 0);
+  EXPECT_EQ(result.class_of[98], 0);
+  EXPECT_NE(result.class_of[96], 0);
+  EXPECT_NE(result.class_of[99], 0);
+  EXPECT_NE(result.class_of[96], result.class_of[99]);
+  EXPECT_LT((result.centres[result.class_of[96]] - kinds[1]).norm(), 1);
+  EXPECT_LT(result.davies_bouldin, 0.5);
+}
+
+TEST(ClosedSpline, FollowsACircleWithTenControlPoints) {
+  const auto spline = ClosedSpline::Fit(Ellipse(1, 1, 200), 10, 3);
+  ASSERT_TRUE(spline.ok());
+  const Polygon curve = spline->Sample(80);
+  ASSERT_EQ(curve.size(), 800u);
+  EXPECT_NEAR(SignedArea(curve), std::numbers::pi, 1e-3);
+  EXPECT_LT(spline->rms(), 2e-3);
+  EXPECT_LT((Centroid(curve) - Eigen::Vector2d(3, -1)).norm(), 1e-3);
+}
+
+TEST(ClosedSpline, AreaConvergesWithSamplingDensity) {
+  const auto spline = ClosedSpline::Fit(Ellipse(1.6, 1.2, 300), 10, 3);
+  ASSERT_TRUE(spline.ok());
+  const double fine = SignedArea(spline->Sample(500));
+  EXPECT_GT(std::abs(SignedArea(spline->Sample(1)) / fine - 1), 0.02);
+  EXPECT_LT(std::abs(SignedArea(spline->Sample(80)) / fine - 1), 1e-4);  // the paper's Table 5
+}
+
+TEST(ClosedSpline, TooFewPointsAreRefused) {
+  const auto spline = ClosedSpline::Fit(Ellipse(1, 1, 3), 10, 3);
+  ASSERT_FALSE(spline.ok());
+  EXPECT_EQ(spline.status().code(), "degenerate_contour");
+}
+
+TEST(HeronArea, IsThatOfATiltedSquare) {
+  const std::vector<Eigen::Vector3d> square = {{0, 0, 0}, {2, 0, 0}, {2, 2, 2}, {0, 2, 2}};
+  EXPECT_NEAR(HeronArea(square, Eigen::Vector3d(0, -1, 1).normalized()), 4 * std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(ClosedLength(square), 4 + 4 * std::sqrt(2.0), 1e-12);
+}
+
+// A field with a soft disc of radius 1 mm and, if asked, a hole and a second disc outside the patch.
+TransitionField DiscField(const FruitSurface& surface, bool hole, bool stranger) {
+  TransitionField field{.chart = SkinChart(surface, Eigen::Vector3d::UnitX())};
+  field.width = field.height = 120;
+  field.step = 0.05;
+  field.origin = Eigen::Vector2d(-2, -2);
+  for (int row = 0; row < field.height; ++row) {
+    for (int column = 0; column < field.width; ++column) {
+      const Eigen::Vector2d p = field.FlatOf(column, row);
+      double level = 0.5 + (1 - p.norm()) / 0.4;
+      if (hole) level = std::min(level, (p.norm() - 0.3) / 0.1);
+      if (stranger) level = std::max(level, 0.5 + (0.6 - (p - Eigen::Vector2d(2.8, 2.8)).norm()) / 0.4);
+      field.level.push_back(static_cast<float>(std::clamp(level, 0.0, 1.0)));
+      field.inside.push_back(p.norm() < 0.9 ? 1 : 0);
+    }
+  }
+  return field;
+}
+
+TEST(TraceBoundaries, FindsTheDiscBetweenTheNodes) {
+  const FruitSurface surface = Sphere(18);
+  for (const auto& [hole, stranger] : {std::pair{false, false}, {true, false}, {false, true}}) {
+    const auto boundaries = TraceBoundaries(DiscField(surface, hole, stranger), 0.5, 0.2);
+    ASSERT_EQ(boundaries.size(), 1u);
+    EXPECT_NEAR(SignedArea(boundaries[0]), std::numbers::pi, 0.004);
+    for (const Eigen::Vector2d& p : boundaries[0]) ASSERT_NEAR(p.norm(), 1, 0.005);
+  }
+}
+
+TEST(SkinChart, KeepsAreasAndReturns) {
+  const FruitSurface surface = Sphere(18);
+  const SkinChart chart(surface, Eigen::Vector3d(1, 1, 0.3));
+  for (const Eigen::Vector2d& flat : {Eigen::Vector2d(0, 0), {3, -4}, {12, 9}}) {
+    EXPECT_LT((chart.FlatFromDirection(chart.DirectionFromFlat(flat)) - flat).norm(), 1e-9);
+    EXPECT_NEAR(chart.AreaScale(flat), 1, 1e-5);
+  }
+}
+
+TEST(FitDefectPlane, IgnoresPointsOffThePlane) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Eigen::Vector3d normal = Eigen::Vector3d(1, 2, 2) / 3;
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < 400; ++k) {
+    const Eigen::Vector3d x(uniform(random), uniform(random), uniform(random));
+    points.push_back(x - normal * (normal.dot(x) - 5) + normal * (k % 8 == 0 ? 0.5 : 0.002 * uniform(random)));
+  }
+  PlaneOptions options;
+  options.iterations = 50;
+  const auto plane = FitDefectPlane(points, normal, 0, options, 1);
+  ASSERT_TRUE(plane.ok());
+  EXPECT_GT(plane->normal.dot(normal), 0.99999);
+  EXPECT_NEAR(plane->offset_mm, 5, 1e-3);
+  EXPECT_LT(plane->rms_mm, 0.003);
+  EXPECT_NEAR(plane->mean_abs_z_mm, 0.5 / 8, 0.01);
+}
+
+TEST(FitDefectPlane, PointsOnALineAreRefused) {
+  const std::vector<Eigen::Vector3d> line = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}};
+  EXPECT_EQ(FitDefectPlane(line, Eigen::Vector3d::UnitZ(), 0, {}, 1).status().code(), "degenerate_plane");
+}
+
+TEST(Classify, ByShapeSizeAndColour) {
+  const auto classify = [](double a, double b, double step) {
+    return Classify(ShapeOf(Ellipse(a, b, 100), std::numbers::pi * a * b, step), {}).defect_class;
+  };
+  EXPECT_EQ(classify(1.1, 1.0, -15), DefectClass::kRainSpot);
+  EXPECT_EQ(classify(4.6, 4.2, -25), DefectClass::kDecay);
+  EXPECT_EQ(classify(4, 0.8, 0), DefectClass::kScar);
+  EXPECT_EQ(classify(4, 0.25, -30), DefectClass::kCrack);
+  EXPECT_EQ(classify(4, 0.25, 3), DefectClass::kScar);  // narrow, but not dark
+}
+
+TEST(Classify, ConfidenceFallsTowardsAThreshold) {
+  const ClassOptions options;
+  DefectShape shape{.area_mm2 = 3, .elongation = 1.1, .width_mm = 2, .lightness_step = -15};
+  const double clear = Classify(shape, options).confidence;
+  shape.area_mm2 = 19.9;
+  const double unclear = Classify(shape, options).confidence;
+  EXPECT_GT(clear, 0.95);
+  EXPECT_LT(unclear, 0.6);
+}
+
+}  // namespace
+}  // namespace drupe
