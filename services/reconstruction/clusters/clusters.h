@@ -14,8 +14,12 @@ struct ViewClusterOptions {
   double min_overlap = 0.7;
   /// Sets of up to this many pictures are one cluster in which every pair is matched.
   int exhaustive_max_images = 20;
-  /// 1..100; a picture is also matched with that many most similar pictures outside its clusters, so that rings close.
+  /// 1..100; every picture is matched with that many most similar ones, in whatever clusters, so that rings close.
   int links_per_image = 4;
+  /// 0..100; every picture is also matched with that many after it in the order of the set, round from the last to the
+  /// first: a turntable brings its pictures in order, and a board that looks alike every quarter turn misleads the
+  /// Fisher vectors. Where the order means nothing, matching gives such pairs up early.
+  int sequence_window = 3;
 
   /// 400 `invalid_options` naming the field that is out of its range.
   Status Check() const;

@@ -23,7 +23,7 @@ struct FeatureOptions {
   double input_sigma = 0.5;   ///< 0..0.6, pixels; blur the camera is assumed to have left
   /// Least |difference of Gaussians| of an extremum, grey values being 0..1, times scales_per_octave. Lowe: 0.04. The
   /// skin of a fruit is weakly textured, hence lower; max_features bounds what noise would bring.
-  double peak_threshold = 0.012;
+  double peak_threshold = 0.003;
   double edge_threshold = 10;  ///< > 1; largest ratio of the principal curvatures
   int max_orientations = 2;    ///< 1..4 per extremum; each is a keypoint of its own
   /// Most extrema kept. The strongest are kept cell by cell of a grid, so that weak texture beside a strong one has its

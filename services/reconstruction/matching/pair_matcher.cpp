@@ -1,5 +1,6 @@
 #include "reconstruction/matching/pair_matcher.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,6 +11,11 @@
 
 namespace drupe {
 namespace {
+
+/// From this share of matches in one plane on, the plane's second pose is tried too.
+constexpr double kPlanarShare = 0.5;
+/// Two poses that differ by less are one.
+constexpr double kSameRotation = 0.005;
 
 /// Matches by places in `kept`, with the coordinates of both ends.
 struct Matches {
@@ -38,11 +44,27 @@ T Quantile(std::vector<T> values, double share) {
   return *middle;
 }
 
-/// All with all, ratio test and mutual check.
-Matches MatchExhaustively(const PreparedPicture& first, const PreparedPicture& second, double max_ratio) {
+/// Features asked first, coarsest of all; a pair in which fewer than so many of them pass the ratio test is given up.
+constexpr std::uint32_t kVanguard = 800;
+constexpr std::ptrdiff_t kVanguardMinPassed = 4;
+
+/// The nearest of each packed feature; cut short when the vanguard finds too little (Wu 2013, preemptive matching).
+std::vector<Nearest> FindForward(const PreparedPicture& first, const PreparedPicture& second, double max_ratio) {
   std::vector<std::uint32_t> queries(first.packed.size());
   std::iota(queries.begin(), queries.end(), 0u);
-  const std::vector<Nearest> forward = FindNearest(first.packed, queries, second.packed);
+  const std::size_t vanguard = std::min<std::size_t>(kVanguard, queries.size());
+  std::vector<Nearest> nearest = FindNearest(first.packed, std::span(queries).first(vanguard), second.packed);
+  const auto passed = std::count_if(nearest.begin(), nearest.end(),
+                                    [max_ratio](const Nearest& candidate) { return candidate.Passes(max_ratio); });
+  if (passed < kVanguardMinPassed) return nearest;
+  const std::vector<Nearest> rest = FindNearest(first.packed, std::span(queries).subspan(vanguard), second.packed);
+  nearest.insert(nearest.end(), rest.begin(), rest.end());
+  return nearest;
+}
+
+/// All with all, ratio test and mutual check.
+Matches MatchExhaustively(const PreparedPicture& first, const PreparedPicture& second, double max_ratio) {
+  const std::vector<Nearest> forward = FindForward(first, second, max_ratio);
   // The way back is asked of the few that pass alone.
   std::vector<std::uint32_t> passed, partners;
   for (std::uint32_t i = 0; i < forward.size(); ++i) {
@@ -96,6 +118,7 @@ Matches Extended(const Matches& verified, const std::vector<FeatureMatch>& guide
 
 /// True when the middle match moves less than the error: then nothing turned between the pictures.
 bool StandsStill(const Matches& matches, double max_error) {
+  if (matches.points.empty()) return false;
   std::vector<double> moved;
   for (const PointPair& points : matches.points) moved.push_back((points.first - points.second).norm());
   return Quantile(moved, 0.5) < max_error;
@@ -115,37 +138,94 @@ std::vector<FeatureMatch> ByKeypoint(const Matches& matches, const PreparedPictu
   return named;
 }
 
+/// A pose and what it verifies.
+struct Verified {
+  Rigid3 pose;
+  Matches matches;
+};
+
+/// Matches one pair, step by step.
+class PairMatcher {
+ public:
+  PairMatcher(const PreparedPicture& first, const PreparedPicture& second, double focal_px,
+              const MatchingOptions& options, std::uint64_t seed)
+      : first_(first), second_(second), options_(options), max_error_(options.max_error_px / focal_px), seed_(seed) {}
+
+  std::optional<TwoViewMatches> Run(ImagePair pair) {
+    putative_ = MatchExhaustively(first_, second_, options_.max_ratio);
+    if (!IsEnough(putative_)) return std::nullopt;
+    const std::optional<RelativePose> sampled =
+        EstimateRelativePose(putative_.points, {max_error_, options_.confidence, options_.max_iterations, seed_});
+    if (!sampled) return std::nullopt;
+    Verified best{sampled->second_from_first, putative_.Subset(sampled->inliers)};
+    if (StandsStill(best.matches, max_error_)) return std::nullopt;
+    const std::vector<Rigid3> others = PlanarAlternatives(best.pose);
+    best = Guide(std::move(best));
+    for (const Rigid3& pose : others) {
+      Verified other = Guide(Verify(pose, putative_));
+      if (other.matches.pairs.size() > best.matches.pairs.size()) best = std::move(other);
+    }
+    if (!IsEnough(best.matches)) return std::nullopt;
+    return Describe(best, pair);
+  }
+
+ private:
+  bool IsEnough(const Matches& matches) const { return static_cast<int>(matches.pairs.size()) >= options_.min_inliers; }
+
+  Verified Verify(const Rigid3& start, const Matches& matches) const {
+    const Rigid3 pose = RefineRelativePose(matches.points, max_error_, start);
+    return {pose, matches.Subset(InliersOf(pose, matches.points, max_error_))};
+  }
+
+  Verified Guide(Verified found) const {
+    if (!options_.guided || !IsEnough(found.matches)) return found;
+    const GuidedOptions guide =
+        GuideFrom(found.matches, first_, second_, found.pose, max_error_, options_.guided_max_ratio);
+    const std::vector<FeatureMatch> guided = MatchGuided(first_, second_, found.pose, guide);
+    return Verify(found.pose, Extended(found.matches, guided, first_, second_));
+  }
+
+  /// Where nearly all matches lie in one plane, two poses explain them; RANSAC may have met the wrong one. Which it is,
+  /// shows in the number of further matches.
+  std::vector<Rigid3> PlanarAlternatives(const Rigid3& found) const {
+    const std::optional<Homography> plane = EstimateHomography(putative_.points, max_error_, seed_);
+    if (!plane || plane->inlier_share < kPlanarShare) return {};
+    std::vector<Rigid3> others;
+    for (const Rigid3& pose : PosesFromHomography(plane->matrix)) {
+      const double turned = Eigen::AngleAxisd(found.rotation.transpose() * pose.rotation).angle();
+      if (turned < kSameRotation) continue;
+      others.push_back(pose);
+      others.push_back({pose.rotation, -pose.translation});
+    }
+    return others;
+  }
+
+  TwoViewMatches Describe(const Verified& found, ImagePair pair) const {
+    TwoViewMatches result;
+    result.pair = pair;
+    result.matches = ByKeypoint(found.matches, first_, second_);
+    result.putative_count = static_cast<int>(putative_.pairs.size());
+    result.second_from_first = found.pose;
+    result.calibrated = true;
+    result.median_triangulation_angle_rad = MedianAngle(found.pose, found.matches);
+    const std::optional<Homography> plane = EstimateHomography(found.matches.points, max_error_, seed_);
+    result.homography_inlier_share = plane ? plane->inlier_share : 0;
+    return result;
+  }
+
+  const PreparedPicture& first_;
+  const PreparedPicture& second_;
+  const MatchingOptions& options_;
+  double max_error_;
+  std::uint64_t seed_;
+  Matches putative_;
+};
+
 }  // namespace
 
 std::optional<TwoViewMatches> MatchPair(const PreparedPicture& first, const PreparedPicture& second, ImagePair pair,
                                         double focal_px, const MatchingOptions& options, std::uint64_t seed) {
-  const double max_error = options.max_error_px / focal_px;
-  const Matches putative = MatchExhaustively(first, second, options.max_ratio);
-  const auto is_enough = [&](std::size_t count) { return static_cast<int>(count) >= options.min_inliers; };
-  if (!is_enough(putative.pairs.size())) return std::nullopt;
-  const RansacOptions ransac{max_error, options.confidence, options.max_iterations, seed};
-  std::optional<RelativePose> pose = EstimateRelativePose(putative.points, ransac);
-  if (!pose || !is_enough(pose->inliers.size())) return std::nullopt;
-  Matches verified = putative.Subset(pose->inliers);
-  if (StandsStill(verified, max_error)) return std::nullopt;
-  if (options.guided) {
-    const GuidedOptions guide =
-        GuideFrom(verified, first, second, pose->second_from_first, max_error, options.guided_max_ratio);
-    const Matches extended =
-        Extended(verified, MatchGuided(first, second, pose->second_from_first, guide), first, second);
-    pose->second_from_first = RefineRelativePose(extended.points, max_error, pose->second_from_first);
-    verified = extended.Subset(InliersOf(pose->second_from_first, extended.points, max_error));
-    if (!is_enough(verified.pairs.size())) return std::nullopt;
-  }
-  TwoViewMatches result;
-  result.pair = pair;
-  result.matches = ByKeypoint(verified, first, second);
-  result.putative_count = static_cast<int>(putative.pairs.size());
-  result.second_from_first = pose->second_from_first;
-  result.calibrated = true;
-  result.median_triangulation_angle_rad = MedianAngle(pose->second_from_first, verified);
-  result.homography_inlier_share = HomographyInlierShare(verified.points, max_error, seed);
-  return result;
+  return PairMatcher(first, second, focal_px, options, seed).Run(pair);
 }
 
 }  // namespace drupe

@@ -1,0 +1,104 @@
+#include "reconstruction/clusters/clusters.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "reconstruction/clusters/normalised_cut.h"
+#include "reconstruction/clusters/overlap.h"
+
+namespace drupe {
+namespace {
+
+using PairSet = std::set<std::pair<int, int>>;
+
+Status CheckRange(bool ok, const char* field, const char* range) {
+  if (ok) return Status::Ok();
+  return InvalidArgument("invalid_options", std::string(field) + " must be " + range, field);
+}
+
+Status CheckGraph(const SimilarityGraph& graph) {
+  const std::size_t n = graph.image_count < 0 ? 0 : graph.image_count;
+  if (n < 2) return Unprocessable("too_few_images", "pairs need at least 2 pictures");
+  if (graph.weight.size() != n * n) return InvalidArgument("invalid_graph", "the graph needs a weight for every pair");
+  return Status::Ok();
+}
+
+/// Cut until no group has more than `max_size` images, in the order of their first images.
+std::vector<std::vector<int>> Divide(const SimilarityGraph& graph, int max_size) {
+  std::vector<int> all(graph.image_count);
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<std::vector<int>> waiting = {all}, done;
+  while (!waiting.empty()) {
+    std::vector<int> group = std::move(waiting.back());
+    waiting.pop_back();
+    if (static_cast<int>(group.size()) <= max_size) {
+      done.push_back(std::move(group));
+      continue;
+    }
+    auto [left, right] = NormalisedCut(graph, group);
+    waiting.push_back(std::move(left));
+    waiting.push_back(std::move(right));
+  }
+  std::sort(done.begin(), done.end());
+  return done;
+}
+
+/// The size to cut down to. What a cluster takes in from its neighbours and what they take in from it both count as
+/// overlap, so half the overlap has to be taken in.
+int CoreSize(const ViewClusterOptions& options) {
+  const double core = options.max_cluster_size * (1 - 0.5 * options.min_overlap);
+  return std::max(2, static_cast<int>(core));
+}
+
+void AddPairsInside(const std::vector<int>& cluster, PairSet& pairs) {
+  for (std::size_t i = 0; i < cluster.size(); ++i) {
+    for (std::size_t j = i + 1; j < cluster.size(); ++j) pairs.emplace(cluster[i], cluster[j]);
+  }
+}
+
+/// Links every image with its most similar ones, whatever clusters they are in: where they are in the same, the pair is
+/// there already.
+void AddLinks(const SimilarityGraph& graph, int links_per_image, PairSet& pairs) {
+  for (int image = 0; image < graph.image_count; ++image) {
+    std::vector<int> others;
+    for (int other = 0; other < graph.image_count; ++other) {
+      if (other != image) others.push_back(other);
+    }
+    std::stable_sort(others.begin(), others.end(),
+                     [&](int a, int b) { return graph.Weight(image, a) > graph.Weight(image, b); });
+    if (static_cast<int>(others.size()) > links_per_image) others.resize(links_per_image);
+    for (const int other : others) pairs.emplace(std::min(image, other), std::max(image, other));
+  }
+}
+
+}  // namespace
+
+Status ViewClusterOptions::Check() const {
+  DRUPE_RETURN_IF_ERROR(CheckRange(max_cluster_size >= 3 && max_cluster_size <= 1000, "max_cluster_size", "3 to 1000"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(min_overlap >= 0 && min_overlap <= 1, "min_overlap", "0 to 1"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(exhaustive_max_images >= 0, "exhaustive_max_images", "0 or more"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(sequence_window >= 0 && sequence_window <= 100, "sequence_window", "0 to 100"));
+  return CheckRange(links_per_image >= 1 && links_per_image <= 100, "links_per_image", "1 to 100");
+}
+
+Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ViewClusterOptions& options,
+                                 const RunContext& context) {
+  DRUPE_RETURN_IF_ERROR(options.Check());
+  DRUPE_RETURN_IF_ERROR(CheckGraph(graph));
+  DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
+  const bool is_small = graph.image_count <= std::max(options.exhaustive_max_images, options.max_cluster_size);
+  ViewClusters result;
+  result.clusters = Divide(graph, is_small ? graph.image_count : CoreSize(options));
+  GrowOverlap(graph, options.min_overlap, options.max_cluster_size, result.clusters);
+  PairSet pairs;
+  for (const std::vector<int>& cluster : result.clusters) AddPairsInside(cluster, pairs);
+  AddLinks(graph, options.links_per_image, pairs);
+  AddSequence(graph.image_count, options.sequence_window, pairs);
+  for (const auto& [first, second] : pairs) result.pairs.push_back({first, second});
+  return result;
+}
+
+}  // namespace drupe
