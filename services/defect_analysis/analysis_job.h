@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/json.h"
+#include "base/run_context.h"
+#include "base/status.h"
+#include "defect_analysis/pipeline.h"
+#include "defect_analysis/reconstruction_client.h"
+#include "defect_analysis/report_index.h"
+#include "jobs/job.h"
+#include "jobs/job_runner.h"
+#include "store/object_store.h"
+
+namespace drupe {
+
+/// The kind of the analysis' jobs: subject is the reconstruction's id, payload {"options": {...}}.
+inline constexpr std::string_view kAnalyzeKind = "analyze";
+
+/// The stages of an analysis job and their usual shares of its time.
+std::vector<StageShare> AnalysisStages();
+
+/// Does one analysis job: fetches the reconstruction, runs the pipeline, stores the report as JSON and CSV, and enters
+/// it in the index. Repeating a job whose report is already there changes nothing.
+class AnalysisJob {
+ public:
+  /// All of them must outlive this object.
+  AnalysisJob(const ReconstructionClient& reconstructions, ObjectStore& objects, ReportIndex& index,
+              const Clock& clock = Clock::System())
+      : reconstructions_(reconstructions), objects_(objects), index_(index), clock_(clock) {}
+
+  /// The job's result, {"report": SHA-256 of the JSON}. Errors: those of ReconstructionClient::Fetch, RunAnalysis and
+  /// the stores.
+  Result<Json> Run(const Job& job, const RunContext& context) const;
+
+ private:
+  Result<Report> MakeReport(const Job& job, const RunContext& context, std::int64_t now_ms) const;
+  Result<ReportEntry> StoreReport(const Job& job, const Report& report, std::int64_t now_ms) const;
+
+  const ReconstructionClient& reconstructions_;
+  ObjectStore& objects_;
+  ReportIndex& index_;
+  const Clock& clock_;
+};
+
+}  // namespace drupe

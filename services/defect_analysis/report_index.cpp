@@ -1,0 +1,136 @@
+#include "defect_analysis/report_index.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+namespace drupe {
+
+namespace {
+
+// grades: one digit a fruit, the number of its DefectClass, so that "%3%" finds reports with a crack.
+const SqliteMigrations& Migrations() {
+  static const SqliteMigrations kMigrations = {R"sql(
+    CREATE TABLE analyses (
+      reconstruction TEXT PRIMARY KEY,
+      job TEXT NOT NULL
+    ) WITHOUT ROWID;
+    CREATE INDEX analyses_by_job ON analyses (job);
+    CREATE TABLE reports (
+      seq INTEGER PRIMARY KEY AUTOINCREMENT,
+      job TEXT NOT NULL UNIQUE,
+      reconstruction TEXT NOT NULL,
+      created_ms INTEGER NOT NULL,
+      grades TEXT NOT NULL,
+      defects INTEGER NOT NULL,
+      json_sha256 TEXT NOT NULL,
+      csv_sha256 TEXT NOT NULL
+    );
+  )sql"};
+  return kMigrations;
+}
+
+char GradeDigit(DefectClass grade) {
+  return static_cast<char>('0' + static_cast<int>(grade));
+}
+
+std::string GradeDigits(const std::vector<DefectClass>& grades) {
+  std::string digits;
+  for (const DefectClass grade : grades) digits.push_back(GradeDigit(grade));
+  return digits;
+}
+
+constexpr std::string_view kSelect =
+    "SELECT job, reconstruction, created_ms, grades, defects, json_sha256, csv_sha256, seq FROM reports ";
+constexpr int kSeqColumn = 7;
+
+ReportEntry ReadEntry(const SqliteStatement& row) {
+  ReportEntry entry{.job = row.Text(0), .reconstruction = row.Text(1), .created_ms = row.Int(2)};
+  for (const char digit : row.Text(3)) entry.grades.push_back(static_cast<DefectClass>(digit - '0'));
+  entry.defects = static_cast<int>(row.Int(4));
+  entry.json_sha256 = row.Text(5);
+  entry.csv_sha256 = row.Text(6);
+  return entry;
+}
+
+Result<std::int64_t> ParseCursor(const std::string& cursor) {
+  std::int64_t seq = std::numeric_limits<std::int64_t>::max();
+  if (cursor.empty()) return seq;
+  const auto [end, error] = std::from_chars(cursor.data(), cursor.data() + cursor.size(), seq);
+  if (error == std::errc() && end == cursor.data() + cursor.size() && seq > 0) return seq;
+  return InvalidArgument("invalid_cursor", "the cursor must be one that a former page returned", "cursor");
+}
+
+}  // namespace
+
+Result<ReportIndex> ReportIndex::Open(SqliteDatabase& database) {
+  DRUPE_RETURN_IF_ERROR(database.Migrate("reports", Migrations()));
+  return ReportIndex(database);
+}
+
+Status ReportIndex::SetCurrentJob(std::string_view reconstruction, std::string_view job) {
+  return database_->Transaction(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const auto insert, database_->Prepare("INSERT OR REPLACE INTO analyses VALUES (?, ?)"));
+    return insert->Bind(reconstruction).Bind(job).Run();
+  });
+}
+
+Result<std::optional<std::string>> ReportIndex::CurrentJob(std::string_view reconstruction) {
+  std::optional<std::string> job;
+  DRUPE_RETURN_IF_ERROR(database_->Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const auto query, database_->Prepare("SELECT job FROM analyses WHERE reconstruction = ?"));
+    DRUPE_ASSIGN_OR_RETURN(const bool found, query->Bind(reconstruction).Step());
+    if (found) job = query->Text(0);
+    return Status::Ok();
+  }));
+  return job;
+}
+
+Status ReportIndex::Add(const ReportEntry& entry) {
+  return database_->Transaction(SqliteDurability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(
+        const auto insert,
+        database_->Prepare("INSERT INTO reports (job, reconstruction, created_ms, grades, defects, json_sha256, "
+                           "csv_sha256) VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (job) DO NOTHING"));
+    insert->Bind(entry.job).Bind(entry.reconstruction).Bind(entry.created_ms).Bind(GradeDigits(entry.grades));
+    return insert->Bind(entry.defects).Bind(entry.json_sha256).Bind(entry.csv_sha256).Run();
+  });
+}
+
+Result<std::optional<ReportEntry>> ReportIndex::FindByJob(std::string_view job) {
+  std::optional<ReportEntry> entry;
+  DRUPE_RETURN_IF_ERROR(database_->Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const auto query, database_->Prepare(std::string(kSelect) + "WHERE job = ?"));
+    DRUPE_ASSIGN_OR_RETURN(const bool found, query->Bind(job).Step());
+    if (found) entry = ReadEntry(*query);
+    return Status::Ok();
+  }));
+  return entry;
+}
+
+Result<ReportPage> ReportIndex::List(const ReportQuery& query) {
+  DRUPE_ASSIGN_OR_RETURN(const std::int64_t before, ParseCursor(query.cursor));
+  const std::string pattern = query.grade ? std::string{'%', GradeDigit(*query.grade), '%'} : "%";
+  ReportPage page;
+  DRUPE_RETURN_IF_ERROR(database_->Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(
+        const auto select,
+        database_->Prepare(std::string(kSelect) + "WHERE seq < ? AND created_ms >= ? AND grades LIKE ? AND EXISTS "
+                                                  "(SELECT 1 FROM analyses WHERE analyses.job = reports.job) "
+                                                  "ORDER BY seq DESC LIMIT ?"));
+    select->Bind(before).Bind(query.since_ms).Bind(pattern).Bind(query.limit + 1);
+    for (std::int64_t last_seq = 0;;) {
+      DRUPE_ASSIGN_OR_RETURN(const bool found, select->Step());
+      if (!found) return Status::Ok();
+      if (static_cast<int>(page.reports.size()) == query.limit) {
+        page.next_cursor = std::to_string(last_seq);
+        return Status::Ok();
+      }
+      page.reports.push_back(ReadEntry(*select));
+      last_seq = select->Int(kSeqColumn);
+    }
+  }));
+  return page;
+}
+
+}  // namespace drupe
