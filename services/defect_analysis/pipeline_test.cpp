@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "defect_analysis/synthetic_fruit.h"
 #include "image/colour.h"
+#include "scene/synthetic_fruit.h"
 
 namespace drupe {
 namespace {

@@ -14,6 +14,7 @@ namespace {
 constexpr int kTableCells = 64;            // of the surface's table, a side of a face
 constexpr double kPointsPerCell = 6;       // wanted in the cells whose medians are fitted
 constexpr double kSmoothness = 1e-8;       // see FitSphericalFunction
+constexpr double kMirrorWeight = 0.05;     // of a mirrored direction against a seen one
 constexpr double kMinScaleShare = 0.0008;  // of the radius: scale below which the re-weighting does not go
 constexpr std::size_t kSphereSample = 5000;
 
@@ -51,7 +52,8 @@ Eigen::VectorXd TukeyWeights(const Eigen::VectorXd& residuals, double scale) {
 }
 
 // Degrees rise step by step: the coarse shape finds the outliers before the fine one could follow them.
-Result<SphericalFunction> FitRobustly(const SeenCells& seen, int degree, double* residual) {
+Result<SphericalFunction> FitRobustly(const SeenCells& seen, int degree, double* residual,
+                                      Eigen::VectorXd* final_weights) {
   const Eigen::MatrixXd basis = SphericalBasisRows(degree, seen.directions);
   const Eigen::VectorXd target = seen.radii.col(0);
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(target.size());
@@ -66,7 +68,47 @@ Result<SphericalFunction> FitRobustly(const SeenCells& seen, int degree, double*
     *residual = RobustSigma(std::vector<double>(residuals.begin(), residuals.end()));
     weights = TukeyWeights(residuals, std::max(*residual, kMinScaleShare * mean_radius));
   }
+  *final_weights = weights;
   return function;
+}
+
+// How far along `up` the widest level of the seen skin lies from the centre: the top of the parabola through the
+// squared distances from the axis, which is exact for an ellipsoid.
+double EquatorHeight(const SeenCells& seen, const Eigen::VectorXd& weights, const Eigen::Vector3d& up) {
+  Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
+  Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < weights.size(); ++i) {
+    const Eigen::Vector3d x = seen.radii(i, 0) * seen.directions[static_cast<std::size_t>(i)];
+    const double height = up.dot(x);
+    const Eigen::Vector3d row(1, height, height * height);
+    normal += weights[i] * row * row.transpose();
+    rhs += weights[i] * (x.squaredNorm() - height * height) * row;
+  }
+  const Eigen::Vector3d parabola = normal.ldlt().solve(rhs);
+  return parabola[2] < 0 ? -parabola[1] / (2 * parabola[2]) : 0;
+}
+
+// Fits once more with the unseen directions filled, at a small weight, by the radius on the other side of the equator:
+// fruit is nearly symmetric about it, and where nothing was seen that is a better guess than a guess at curvature.
+Result<SphericalFunction> CloseByMirror(const SeenCells& seen, const Eigen::VectorXd& weights, const CubeMap& map,
+                                        const SphericalFunction& open, const Eigen::Vector3d& up, int degree) {
+  std::vector<std::uint8_t> is_seen(map.size(), 0);
+  for (Eigen::Index i = 0; i < weights.size(); ++i) is_seen[seen.cells[i]] = weights[i] > 0 ? 1 : 0;
+  std::vector<Eigen::Vector3d> directions = seen.directions;
+  std::vector<double> radii(seen.radii.col(0).begin(), seen.radii.col(0).end());
+  std::vector<double> all_weights(weights.begin(), weights.end());
+  for (int cell = 0; cell < map.size(); ++cell) {
+    const Eigen::Vector3d direction = map.DirectionOf(cell);
+    const Eigen::Vector3d mirrored = direction - 2 * up.dot(direction) * up;
+    if (is_seen[cell] != 0 || is_seen[map.CellOf(mirrored.cast<float>())] == 0) continue;
+    directions.push_back(direction);
+    radii.push_back(open.At(mirrored)[0]);
+    all_weights.push_back(kMirrorWeight);
+  }
+  const auto count = static_cast<Eigen::Index>(radii.size());
+  return FitSphericalFunction(degree, SphericalBasisRows(degree, directions),
+                              Eigen::MatrixXd(Eigen::Map<Eigen::VectorXd>(radii.data(), count)),
+                              Eigen::VectorXd(Eigen::Map<Eigen::VectorXd>(all_weights.data(), count)), kSmoothness);
 }
 
 FruitSurface Tabulate(const SphericalFunction& function, const Eigen::Vector3d& centre) {
@@ -124,18 +166,30 @@ Result<Sphere> FitSphere(const std::vector<Eigen::Vector3d>& points) {
   return sphere;
 }
 
-Result<ClosedSurface> FitClosedSurface(const std::vector<Eigen::Vector3d>& points, const FruitOptions& options) {
+Result<ClosedSurface> FitClosedSurface(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& up,
+                                       const FruitOptions& options) {
   DRUPE_ASSIGN_OR_RETURN(const Sphere sphere, FitSphere(points));
   const auto wanted = std::sqrt(static_cast<double>(points.size()) / (6 * kPointsPerCell));
   const CubeMap map(std::clamp(static_cast<int>(wanted), 8, 40));
-  const SeenCells seen = MedianRadii(points, sphere.centre, map);
   const int degree = std::min(options.surface_degree, map.n() / 2);
-  const int unknowns = (degree + 1) * (degree + 1);
-  if (static_cast<int>(seen.cells.size()) < unknowns) return NotAFruit("too few directions are seen");
   ClosedSurface result;
-  DRUPE_ASSIGN_OR_RETURN(const SphericalFunction function, FitRobustly(seen, degree, &result.residual_mm));
+  Eigen::Vector3d centre = sphere.centre;
+  Eigen::VectorXd weights;
+  SeenCells seen;
+  SphericalFunction function;
+  // The second pass looks from the middle of the equator, about which the underside mirrors the top.
+  for (int pass = 0; pass < 2; ++pass) {
+    seen = MedianRadii(points, centre, map);
+    if (static_cast<int>(seen.cells.size()) < (degree + 1) * (degree + 1))
+      return NotAFruit("too few directions are seen");
+    DRUPE_ASSIGN_OR_RETURN(function,
+                           FitRobustly(seen, pass == 0 ? std::min(4, degree) : degree, &result.residual_mm, &weights));
+    if (pass == 0)
+      centre += std::clamp(EquatorHeight(seen, weights, up), -0.2 * sphere.radius, 0.2 * sphere.radius) * up;
+  }
+  DRUPE_ASSIGN_OR_RETURN(function, CloseByMirror(seen, weights, map, function, up, degree));
   if (!IsClosed(function, map, sphere.radius)) return NotAFruit("the points do not surround a centre");
-  result.surface = Tabulate(function, sphere.centre);
+  result.surface = Tabulate(function, centre);
   result.observed_share =
       ObservedShare(result.surface, seen, map, std::max(options.outlier_distance_mm, 4 * result.residual_mm));
   return result;

@@ -94,7 +94,7 @@ Result<FruitCloud> MakeFruit(const PointCloud& cloud, const std::vector<std::uin
     fruit.mm_per_unit = options.nominal_diameter_mm / (2 * sphere.radius);
   }
   const std::vector<Eigen::Vector3d> points = PointsInMm(cloud, object, fruit.mm_per_unit);
-  DRUPE_ASSIGN_OR_RETURN(ClosedSurface closed, FitClosedSurface(points, options));
+  DRUPE_ASSIGN_OR_RETURN(ClosedSurface closed, FitClosedSurface(points, fruit.up, options));
   DRUPE_RETURN_IF_ERROR(CheckShape(closed, options));
   fruit.surface = std::move(closed.surface);
   fruit.observed_share = closed.observed_share;

@@ -5,7 +5,7 @@
 #include "defect_analysis/fruit/ground.h"
 #include "defect_analysis/fruit/objects.h"
 #include "defect_analysis/fruit/traits.h"
-#include "defect_analysis/synthetic_fruit.h"
+#include "scene/synthetic_fruit.h"
 
 namespace drupe {
 namespace {
@@ -35,7 +35,7 @@ TEST(FitClosedSurface, AreaAndVolumeOfAnEllipsoid) {
   fruit.points = 40000;
   PointCloud cloud;
   fruit.AddTo(cloud);
-  const auto closed = FitClosedSurface(PointsOf(cloud), {});
+  const auto closed = FitClosedSurface(PointsOf(cloud), Eigen::Vector3d::UnitZ(), {});
   ASSERT_TRUE(closed.ok());
   EXPECT_NEAR(closed->surface.Volume() / fruit.Volume(), 1, 0.01);
   EXPECT_NEAR(closed->observed_share, 0.9, 0.03);
@@ -45,7 +45,7 @@ TEST(FitClosedSurface, AreaAndVolumeOfAnEllipsoid) {
 TEST(FitClosedSurface, APlaneIsNoFruit) {
   std::vector<Eigen::Vector3d> points;
   for (int k = 0; k < 10000; ++k) points.emplace_back(0.1 * (k % 100), 0.1 * (k / 100), 0);
-  EXPECT_FALSE(FitClosedSurface(points, {}).ok());
+  EXPECT_FALSE(FitClosedSurface(points, Eigen::Vector3d::UnitZ(), {}).ok());
 }
 
 TEST(FindGround, FindsATiltedBoardBelowTheFruit) {
