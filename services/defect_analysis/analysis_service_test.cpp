@@ -12,7 +12,7 @@
 #include "base/ids.h"
 #include "defect_analysis/analysis_job.h"
 #include "defect_analysis/routes.h"
-#include "defect_analysis/synthetic_fruit.h"
+#include "scene/synthetic_fruit.h"
 #include "http/client.h"
 #include "http/server.h"
 #include "jobs/job_runner.h"
