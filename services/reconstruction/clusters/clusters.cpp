@@ -74,6 +74,16 @@ void AddLinks(const SimilarityGraph& graph, int links_per_image, PairSet& pairs)
   }
 }
 
+/// Links every image with the `window` that follow it, the last ones with the first.
+void AddSequence(int image_count, int window, PairSet& pairs) {
+  for (int image = 0; image < image_count; ++image) {
+    for (int step = 1; step <= std::min(window, image_count - 1); ++step) {
+      const int other = (image + step) % image_count;
+      pairs.emplace(std::min(image, other), std::max(image, other));
+    }
+  }
+}
+
 }  // namespace
 
 Status ViewClusterOptions::Check() const {

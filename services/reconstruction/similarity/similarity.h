@@ -11,11 +11,11 @@ namespace drupe {
 
 /// How the likeness of pictures is measured by Fisher vectors (paper eqs 1-3; Perronnin, Sanchez & Mensink 2010).
 struct SimilarityOptions {
-  int gaussians = 32;                 ///< 1..1024; K of eq. 2
+  int gaussians = 64;                 ///< 1..1024; K of eq. 2
   int pca_dimensions = 32;            ///< 1..128; descriptors are reduced to this many dimensions first
-  int training_descriptors = 40'000;  ///< >= 1000; drawn evenly from all pictures
-  int em_iterations = 15;             ///< 1..1000
-  int descriptors_per_image = 2'000;  ///< >= 100; the coarsest ones, which are the most repeatable, describe a picture
+  int training_descriptors = 20'000;  ///< >= 1000; drawn evenly from all pictures
+  int em_iterations = 8;              ///< 1..1000
+  int descriptors_per_image = 800;    ///< >= 100; the coarsest ones, which are the most repeatable, describe a picture
 
   /// 400 `invalid_options` naming the field that is out of its range.
   Status Check() const;
