@@ -30,6 +30,7 @@ class RecoveryTest(DrupeTest):
                 self.system.reconstruction.start()
                 status = self.system.wait_until_ended(job_id)
                 self.assertEqual(status["status"], "succeeded", status)
+                self.assertEqual(status["attempt"], 2, "it was killed in the middle, and repeated once")
                 self.assertEqual(self.system.wait_for_report(job_id)["id"], job_id)
 
     def test_reconstruction_killed_while_jobs_wait(self):
@@ -72,7 +73,8 @@ class RecoveryTest(DrupeTest):
         self.wait_for_stage(job_id, "features")
         self.assertEqual(self.system.reconstruction.stop(), 0)
         self.system.reconstruction.start()
-        self.assertEqual(self.system.wait_until_ended(job_id)["status"], "succeeded")
+        status = self.system.wait_until_ended(job_id)
+        self.assertEqual((status["status"], status["attempt"]), ("succeeded", 2), status)
 
 
 if __name__ == "__main__":
