@@ -16,6 +16,10 @@ namespace drupe {
 
 namespace {
 
+/// Epipolar lines are off by several pixels while the focal length is a guess. Relative poses are needed to begin with,
+/// so pairs are verified with the guess and a wider tolerance.
+constexpr double kUnknownLensTolerance = 3.0;
+
 /// The camera that matching and sparse reconstruction start from.
 struct StartCamera {
   PinholeCamera camera;
@@ -64,7 +68,7 @@ Result<Correspondences> FindCorrespondences(const ViewFeatures& views, const Sta
   DRUPE_ASSIGN_OR_RETURN(result.clusters, Timed("clusters", context, timings,
                                                 [&] { return RunClusters(graph, options.clusters, context); }));
   MatchingOptions matching = options.matching;
-  matching.calibrated = matching.calibrated && start.source == IntrinsicsSource::kGiven;
+  if (start.source != IntrinsicsSource::kGiven) matching.max_error_px *= kUnknownLensTolerance;
   DRUPE_ASSIGN_OR_RETURN(result.matches, Timed("matching", context, timings, [&] {
                            return RunMatching(views.features, result.clusters, start.camera, matching, context);
                          }));
