@@ -45,12 +45,13 @@ void Append(const std::vector<T>& from, std::vector<T>* to) {
 
 }  // namespace
 
-Result<AssembledCloud> AssembleCloud(const LevelContext& fine, const std::vector<PatchMap>& fine_maps,
+Result<AssembledCloud> AssembleCloud(const LevelContext& fine, const std::function<PatchMap(int view)>& fine_map,
                                      const LevelContext& coarse, const std::vector<PatchMap>& coarse_maps,
                                      const RunContext& run) {
-  std::vector<PointCloud> parts(fine_maps.size());
+  std::vector<PointCloud> parts(coarse_maps.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, parts.size(), [&](std::size_t view) {
-    CollectView(fine, fine_maps[view], coarse, coarse_maps, static_cast<int>(view), &parts[view]);
+    const int index = static_cast<int>(view);
+    CollectView(fine, fine_map(index), coarse, coarse_maps, index, &parts[view]);
   }));
   AssembledCloud result;
   for (std::size_t view = 0; view < parts.size(); ++view) {

@@ -101,20 +101,19 @@ int FinestCsize(const LevelState& coarse, const std::vector<std::vector<std::uin
   return csize;
 }
 
-/// The finest level, only where each view owns the surface.
-Result<LevelState> RefineOwned(const LevelState& coarse, const RunContext& run) {
+/// The points of the finest level, which each view refines only where it owns the surface.
+Result<AssembledCloud> RefineOwned(const LevelState& coarse, const RunContext& run) {
+  const DenseScene& scene = *coarse.context.scene;
   std::vector<std::vector<std::uint8_t>> owned(coarse.maps.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, owned.size(), [&](std::size_t view) {
     owned[view] = OwnedCells(coarse.context, static_cast<int>(view), coarse.maps, kOwnedSlack);
   }));
-  const DenseScene& scene = *coarse.context.scene;
-  LevelState state{MakeLevelContext(scene, coarse.context.level - 1, FinestCsize(coarse, owned)),
-                   std::vector<PatchMap>(coarse.maps.size())};
-  DRUPE_RETURN_IF_ERROR(ParallelFor(run, owned.size(), [&](std::size_t view) {
-    const PatchMap map = RefineMap(state.context, static_cast<int>(view), coarse.maps[view], owned[view]);
-    state.maps[view] = FitSurface(map, FitSettings(*scene.options, kFinestFitRadius));
-  }));
-  return state;
+  const LevelContext fine = MakeLevelContext(scene, coarse.context.level - 1, FinestCsize(coarse, owned));
+  const auto fine_map = [&](int view) {
+    const PatchMap map = RefineMap(fine, view, coarse.maps[view], owned[view]);
+    return FitSurface(map, FitSettings(*scene.options, kFinestFitRadius));
+  };
+  return AssembleCloud(fine, fine_map, coarse.context, coarse.maps, run);
 }
 
 Result<PointCloud> Reconstruct(const DenseInput& input, const DenseOptions& options, const RunContext& run) {
@@ -127,12 +126,7 @@ Result<PointCloud> Reconstruct(const DenseInput& input, const DenseOptions& opti
     DRUPE_ASSIGN_OR_RETURN(coarse, RefineWhole(coarse, run));
     run.Report("dense", 0.5);
   }
-  AssembledCloud assembled;
-  {
-    DRUPE_ASSIGN_OR_RETURN(const LevelState fine, RefineOwned(coarse, run));
-    run.Report("dense", 0.8);
-    DRUPE_ASSIGN_OR_RETURN(assembled, AssembleCloud(fine.context, fine.maps, coarse.context, coarse.maps, run));
-  }
+  DRUPE_ASSIGN_OR_RETURN(AssembledCloud assembled, RefineOwned(coarse, run));
   if (assembled.cloud.empty()) {
     return Unprocessable("no_dense_points", "no surface was found on which enough pictures agree");
   }

@@ -11,7 +11,8 @@ namespace drupe::dense {
 namespace {
 
 constexpr float kTolerance = 1.0f;  ///< pixels of parallax
-constexpr float kHidden = 5.0f;  ///< so far in front, another surface hides an element; nearer, one of the two is wrong
+constexpr double kHidden =
+    0.02;  ///< of the distance: so far in front, another surface hides an element; nearer, one is wrong
 constexpr int kLeastAgreeing = 2;
 constexpr double kLeastAgreeingShare = 0.4;  ///< of the neighbours that face the element
 
@@ -122,6 +123,16 @@ Status FilterByVisibility(const LevelContext& context, const RunContext& run, st
   return Status::Ok();
 }
 
+namespace {
+
+/// kHidden in pixels of parallax.
+float HidingTolerance(const LevelContext& context, int view, const PatchMap& map, const SurfaceElement& element) {
+  const double distance = (context.scene->views[view].centre - element.position).norm();
+  return static_cast<float>(kHidden / (distance * map.unit));
+}
+
+}  // namespace
+
 bool OwnsElement(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
                  const SurfaceElement& element, double slack) {
   const double own = ViewScore(*context.scene, reference, element);
@@ -129,7 +140,9 @@ bool OwnsElement(const LevelContext& context, int reference, const std::vector<P
   for (const int neighbour : context.scene->neighbours[reference]) {
     const double other = slack * ViewScore(*context.scene, neighbour, element);
     if (other < own || (other == own && neighbour > reference)) continue;
-    if (LookAt(context, neighbour, maps[neighbour], element, kHidden) != Sight::kOccluded) return false;
+    if (LookAt(context, neighbour, maps[neighbour], element,
+               HidingTolerance(context, neighbour, maps[neighbour], element)) != Sight::kOccluded)
+      return false;
   }
   return true;
 }
