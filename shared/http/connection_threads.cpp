@@ -1,19 +1,41 @@
 #include "http/connection_threads.h"
 
+#include <httplib.h>
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
 namespace drupe {
 
 namespace {
 
 thread_local bool refusing = false;
 
-}  // namespace
+class ConnectionThreads : public httplib::TaskQueue {
+ public:
+  explicit ConnectionThreads(int count);
+
+  void enqueue(std::function<void()> serve) override;
+  /// Returns when every connection has been served.
+  void shutdown() override;
+
+ private:
+  void Work();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> waiting_;
+  int busy_ = 0;  ///< connections being served or waiting for a thread to wake up
+  bool stopping_ = false;
+  std::vector<std::thread> threads_;
+};
 
 ConnectionThreads::ConnectionThreads(int count) {
   for (int i = 0; i < count; ++i) threads_.emplace_back([this] { Work(); });
-}
-
-bool ConnectionThreads::Refusing() {
-  return refusing;
 }
 
 void ConnectionThreads::enqueue(std::function<void()> serve) {
@@ -54,6 +76,16 @@ void ConnectionThreads::Work() {
     const std::lock_guard lock(mutex_);
     --busy_;
   }
+}
+
+}  // namespace
+
+httplib::TaskQueue* NewConnectionThreads(int count) {
+  return new ConnectionThreads(count);
+}
+
+bool IsRefusingConnection() {
+  return refusing;
 }
 
 }  // namespace drupe

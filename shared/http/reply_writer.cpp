@@ -1,5 +1,7 @@
 #include "http/reply_writer.h"
 
+#include <httplib.h>
+
 #include <algorithm>
 #include <chrono>
 #include <thread>

@@ -1,11 +1,13 @@
 #pragma once
 
-#include <httplib.h>
-
 #include <atomic>
 
 #include "http/connection.h"
 #include "http/response.h"
+
+namespace httplib {
+struct Response;
+}
 
 namespace drupe {
 

@@ -67,7 +67,7 @@ thread_local Exchange* current = nullptr;
 class Server::Impl : public httplib::Server {
  public:
   Impl(const ServerOptions& options, Metrics* metrics) : options_(options), dispatcher_(options_, metrics) {
-    new_task_queue = [this] { return new ConnectionThreads(options_.max_connections + options_.reserved_connections); };
+    new_task_queue = [this] { return NewConnectionThreads(options_.max_connections + options_.reserved_connections); };
     set_keep_alive_max_count(static_cast<std::size_t>(options_.max_requests_per_connection));
     set_keep_alive_timeout(std::chrono::duration_cast<std::chrono::seconds>(options_.keep_alive_timeout).count());
     // Only SO_REUSEADDR: with the library's SO_REUSEPORT a second server would silently share the port.
@@ -145,7 +145,7 @@ bool Server::Impl::process_and_close_socket(socket_t socket) {
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
   Connection connection(socket, options_, body_deadline_ms_);
-  if (ConnectionThreads::Refusing()) {
+  if (IsRefusingConnection()) {
     Refuse(connection);
     return true;
   }

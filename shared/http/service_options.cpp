@@ -1,5 +1,6 @@
 #include "http/service_options.h"
 
+#include <CLI/CLI.hpp>
 #include <cctype>
 #include <map>
 

@@ -1,10 +1,13 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "base/json.h"
 #include "http/service.h"
+
+namespace CLI {
+class App;
+}
 
 namespace drupe {
 
