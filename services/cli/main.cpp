@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = 0;
   drupe::AddRunCommand(app, exit_code);
+  drupe::AddCalibrateCommand(app, exit_code);
+  drupe::AddBoardCommand(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
