@@ -24,7 +24,7 @@ void CollectView(const LevelContext& fine, const PatchMap& map, const LevelConte
   for (int row = 0; row < map.rows; ++row) {
     for (int col = 0; col < map.cols; ++col) {
       const PatchCell& cell = map.At(col, row);
-      if (!cell.Filled()) continue;
+      if (!cell.Filled() || IsBlack(fine, view, map.Pixel(col), map.Pixel(row))) continue;
       const SurfaceElement element =
           ToWorld(scene.views[view], fine.cameras[view], map.Pixel(col), map.Pixel(row), cell);
       if (!scene.region.Contains(element.position)) continue;

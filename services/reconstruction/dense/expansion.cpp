@@ -32,7 +32,7 @@ class GuessRefiner {
     const SampledImage& image = context_.frames[reference_].reference;
     const int margin = settings_.half + 1;
     if (u < margin || v < margin || u >= image.width - margin || v >= image.height - margin) return false;
-    if (!(guess.plane.w > 0)) return false;
+    if (!(guess.plane.w > 0) || IsBlack(context_, reference_, u, v)) return false;
     const SurfaceElement element =
         ToWorld(context_.scene->views[reference_], context_.cameras[reference_], u, v, guess.plane);
     const std::uint32_t facing = FacingNeighbours(*context_.scene, reference_, element);

@@ -57,6 +57,12 @@ std::uint32_t FacingNeighbours(const DenseScene& scene, int reference, const Sur
   return bits;
 }
 
+bool IsBlack(const LevelContext& context, int reference, int u, int v) {
+  constexpr std::uint32_t kBlack = 14 * 256;  // grey levels, as luma is stored
+  const SampledImage& image = context.frames[reference].reference;
+  return (image.pairs[static_cast<std::ptrdiff_t>(v) * image.stride + u] & 0xFFFF) < kBlack;
+}
+
 bool IsAcceptable(const LevelContext& context, int reference, double u, double v, const PatchCell& cell) {
   const DenseScene& scene = *context.scene;
   if (!(cell.w > 0) || cell.ncc < scene.options->threshold) return false;

@@ -39,6 +39,9 @@ LevelContext MakeLevelContext(const DenseScene& scene, int level, int csize);
 /// k-th neighbour; 0 also when the reference itself sees it at more than 80 degrees.
 std::uint32_t FacingNeighbours(const DenseScene& scene, int reference, const SurfaceElement& element);
 
+/// True where the reference is too dark to show a surface: the black background of a studio.
+bool IsBlack(const LevelContext& context, int reference, int u, int v);
+
 /// True when a refined patch is photo-consistent: enough views under a sufficient angle, mean NCC, position and normal.
 bool IsAcceptable(const LevelContext& context, int reference, double u, double v, const PatchCell& cell);
 
