@@ -24,6 +24,39 @@ int MostSimilarOutside(const SimilarityGraph& graph, const std::vector<int>& clu
   return best;
 }
 
+void Insert(std::vector<int>& cluster, int image) {
+  cluster.insert(std::lower_bound(cluster.begin(), cluster.end(), image), image);
+}
+
+/// Takes in the most similar image from outside. False when there is none.
+bool TakeIn(const SimilarityGraph& graph, std::vector<int>& cluster) {
+  const int image = MostSimilarOutside(graph, cluster);
+  if (image >= 0) Insert(cluster, image);
+  return image >= 0;
+}
+
+/// Lends one image of a full cluster to the cluster with room that it is most similar to. False when there is none.
+bool Lend(const SimilarityGraph& graph, std::size_t from, std::size_t max_size,
+          std::vector<std::vector<int>>& clusters) {
+  int lent = -1;
+  std::size_t to = 0;
+  float strongest = -1;
+  for (std::size_t other = 0; other < clusters.size(); ++other) {
+    if (other == from || clusters[other].size() >= max_size) continue;
+    for (const int image : clusters[from]) {
+      if (Contains(clusters[other], image)) continue;
+      for (const int inside : clusters[other]) {
+        if (graph.Weight(image, inside) <= strongest) continue;
+        strongest = graph.Weight(image, inside);
+        lent = image;
+        to = other;
+      }
+    }
+  }
+  if (lent >= 0) Insert(clusters[to], lent);
+  return lent >= 0;
+}
+
 }  // namespace
 
 double OverlapOf(const std::vector<std::vector<int>>& clusters, std::size_t cluster) {
@@ -37,16 +70,13 @@ double OverlapOf(const std::vector<std::vector<int>>& clusters, std::size_t clus
 
 void GrowOverlap(const SimilarityGraph& graph, double min_overlap, int max_size,
                  std::vector<std::vector<int>>& clusters) {
+  const auto limit = static_cast<std::size_t>(max_size);
   bool changed = clusters.size() > 1;
   while (changed) {
     changed = false;
     for (std::size_t c = 0; c < clusters.size(); ++c) {
-      std::vector<int>& cluster = clusters[c];
-      if (static_cast<int>(cluster.size()) >= max_size || OverlapOf(clusters, c) >= min_overlap) continue;
-      const int image = MostSimilarOutside(graph, cluster);
-      if (image < 0) continue;
-      cluster.insert(std::lower_bound(cluster.begin(), cluster.end(), image), image);
-      changed = true;
+      if (OverlapOf(clusters, c) >= min_overlap) continue;
+      changed |= clusters[c].size() < limit ? TakeIn(graph, clusters[c]) : Lend(graph, c, limit, clusters);
     }
   }
 }

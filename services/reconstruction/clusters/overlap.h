@@ -10,8 +10,9 @@ namespace drupe {
 /// completeness of Chen et al. 2020, "Graph-based parallel large scale structure from motion").
 double OverlapOf(const std::vector<std::vector<int>>& clusters, std::size_t cluster);
 
-/// Lets clusters take in the images most similar to theirs, one at a time in turn, until each has `min_overlap` or
-/// max_size images. The clusters stay ascending.
+/// Lets clusters that overlap too little take in the images most similar to theirs, or, once they have `max_size`
+/// images, lend theirs to others, one at a time in turn, until all reach `min_overlap` or none has room. They stay
+/// ascending.
 void GrowOverlap(const SimilarityGraph& graph, double min_overlap, int max_size,
                  std::vector<std::vector<int>>& clusters);
 

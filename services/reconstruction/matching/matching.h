@@ -22,7 +22,7 @@ struct MatchingOptions {
   /// the epipolar lines these have given. 0: all are compared.
   int exhaustive_features = 4'000;
   bool guided = true;              ///< second matching along epipolar lines, over all features
-  double guided_max_ratio = 0.8;   ///< 0..1; as max_ratio, among the candidates near the epipolar line
+  double guided_max_ratio = 0.7;   ///< 0..1; as max_ratio, among the candidates near the epipolar line
   bool drop_static = true;         ///< leave out features of the background that stands still in the picture
   double static_radius_px = 1.0;   ///< > 0; a static feature is found again within this distance ...
   double static_min_share = 0.25;  ///< 0..1; ... in at least this share of the other pictures

@@ -14,6 +14,8 @@ namespace {
 
 /// From this share of matches in one plane on, the plane's second pose is tried too.
 constexpr double kPlanarShare = 0.5;
+/// A second pose that verifies less than this share of what the first one does is not pursued.
+constexpr double kWorthGuiding = 0.8;
 /// Two poses that differ by less are one.
 constexpr double kSameRotation = 0.005;
 
@@ -160,9 +162,13 @@ class PairMatcher {
     Verified best{sampled->second_from_first, putative_.Subset(sampled->inliers)};
     if (StandsStill(best.matches, max_error_)) return std::nullopt;
     const std::vector<Rigid3> others = PlanarAlternatives(best.pose);
+    const auto best_alone = static_cast<double>(best.matches.pairs.size());
     best = Guide(std::move(best));
     for (const Rigid3& pose : others) {
-      Verified other = Guide(Verify(pose, putative_));
+      // A plane's pose is less exact than RANSAC's: the first step takes in points from further away.
+      Verified other = Verify(RefineRelativePose(putative_.points, 4 * max_error_, pose), putative_);
+      if (other.matches.pairs.size() < kWorthGuiding * best_alone) continue;
+      other = Guide(std::move(other));
       if (other.matches.pairs.size() > best.matches.pairs.size()) best = std::move(other);
     }
     if (!IsEnough(best.matches)) return std::nullopt;

@@ -144,6 +144,8 @@ std::optional<RelativePose> EstimateRelativePose(std::span<const PointPair> pair
     }
   }
   if (best.score.inliers == 0) return std::nullopt;
+  // The distances alone do not feel which side of the cameras a point is on, so the refinement may have changed sides.
+  best.pose = PoseFromEssential(EssentialFromPose(best.pose), pairs, options.max_error);
   best.pose = RefineRelativePose(pairs, options.max_error, best.pose);
   return RelativePose{best.pose, InliersOf(best.pose, pairs, options.max_error)};
 }
