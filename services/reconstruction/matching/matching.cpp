@@ -15,7 +15,7 @@ namespace {
 
 Status CheckRange(bool ok, const char* field, const char* range) {
   if (ok) return Status::Ok();
-  return InvalidArgument("invalid_options", std::string(field) + " must be " + range, field);
+  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
 }
 
 Status CheckPairs(const ViewClusters& clusters, std::size_t image_count) {

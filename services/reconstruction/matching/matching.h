@@ -27,13 +27,13 @@ struct MatchingOptions {
   double static_radius_px = 1.0;   ///< > 0; a static feature is found again within this distance ...
   double static_min_share = 0.25;  ///< 0..1; ... in at least this share of the other pictures
 
-  /// 400 `invalid_options` naming the field that is out of its range.
+  /// 400 `invalid_option` naming the field that is out of its range.
   Status Check() const;
 };
 
 /// Matches every pair of `clusters.pairs` and verifies it: descriptors by ratio and mutual check, then an essential
 /// matrix (or fundamental, when not calibrated) by a locally optimised RANSAC. All pictures share `camera`. Pairs that
-/// fail are left out. Errors: 400 `invalid_options`, 400 `invalid_pair`, `cancelled`.
+/// fail are left out. Errors: 400 `invalid_option`, 400 `invalid_pair`, `cancelled`.
 Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
                                const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context);
 

@@ -13,6 +13,9 @@ namespace drupe {
 namespace {
 
 constexpr int kSample = 5;
+/// Samples at least: a narrow view admits a mirrored pose that explains nearly as much, and the first sample may be
+/// its.
+constexpr double kMinIterations = 50;
 constexpr int kRefineSteps = 5;
 /// Points that vote on which of an essential matrix's four poses is the real one.
 constexpr std::size_t kMaxVoters = 200;
@@ -140,7 +143,8 @@ std::optional<RelativePose> EstimateRelativePose(std::span<const PointPair> pair
       const Candidate candidate = Optimise(e, pairs, options.max_error);
       if (candidate.score.cost >= best.score.cost) continue;
       best = candidate;
-      required = RequiredIterations(best.score.inliers, pairs.size(), kSample, options.confidence);
+      required =
+          std::max(kMinIterations, RequiredIterations(best.score.inliers, pairs.size(), kSample, options.confidence));
     }
   }
   if (best.score.inliers == 0) return std::nullopt;

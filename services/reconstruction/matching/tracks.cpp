@@ -103,7 +103,7 @@ std::vector<const TwoViewMatches*> StrongestFirst(const MatchGraph& graph) {
 
 Status TrackOptions::Check() const {
   if (min_length >= 2) return Status::Ok();
-  return InvalidArgument("invalid_options", "min_length must be 2 or more", "min_length");
+  return InvalidArgument("invalid_option", "min_length must be 2 or more", "min_length");
 }
 
 Result<TrackList> RunTracks(const MatchGraph& graph, std::span<const Features> features, const TrackOptions& options,
