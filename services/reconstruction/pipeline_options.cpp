@@ -48,6 +48,7 @@ void Visit(Visitor& visit, ViewClusterOptions& o) {
   visit("min_overlap", o.min_overlap);
   visit("exhaustive_max_images", o.exhaustive_max_images);
   visit("links_per_image", o.links_per_image);
+  visit("sequence_window", o.sequence_window);
 }
 
 template <typename Visitor>
@@ -172,12 +173,18 @@ class FieldWriter {
   Json& json_;
 };
 
+/// A stage's message with the stage's name in its field: a stage does not know under which key it stands.
+Status NameStage(const std::string& stage, const Status& status) {
+  if (status.ok() || status.field().starts_with(stage + ".")) return status;
+  return {status.kind(), status.code(), stage + ": " + status.message(), stage + "." + status.field()};
+}
+
 }  // namespace
 
 Status ReconstructionOptions::Check() const {
   Status first;
-  const auto check = [&first](const char*, const auto& options) {
-    if (first.ok()) first = options.Check();
+  const auto check = [&first](const char* stage, const auto& options) {
+    if (first.ok()) first = NameStage(stage, options.Check());
   };
   ReconstructionOptions copy = *this;
   VisitSections(check, copy);

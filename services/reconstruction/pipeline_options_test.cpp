@@ -45,7 +45,10 @@ TEST(ReconstructionOptions, MistakesAreNamedWithTheirPath) {
 TEST(ReconstructionOptions, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(ParseReconstructionOptions(*ParseJson(R"({"dense": {"max_points": -5}})")).ok());
   EXPECT_FALSE(ParseReconstructionOptions(*ParseJson(R"({"matching": {"max_ratio": 2}})")).ok());
-  EXPECT_FALSE(ParseReconstructionOptions(*ParseJson(R"({"features": {"max_features": 0}})")).ok());
+  const auto features = ParseReconstructionOptions(*ParseJson(R"({"features": {"max_features": 0}})"));
+  ASSERT_FALSE(features.ok());
+  EXPECT_EQ(features.status().code(), "invalid_option");
+  EXPECT_EQ(features.status().field(), "features.max_features");
 }
 
 }  // namespace

@@ -87,13 +87,13 @@ BoardDetection Detect(const GrayImage& image, const Board& board, const MarkerDi
 
 Status BoardDetectorOptions::Check() const {
   if (search_width_px < 320 || search_width_px > 16384) {
-    return InvalidArgument("invalid_options", "search_width_px must be 320 to 16384", "board.search_width_px");
+    return InvalidArgument("invalid_option", "search_width_px must be 320 to 16384", "board.search_width_px");
   }
   if (!(min_marker_side_px >= 8.0 && min_marker_side_px <= 1000.0)) {
-    return InvalidArgument("invalid_options", "min_marker_side_px must be 8 to 1000", "board.min_marker_side_px");
+    return InvalidArgument("invalid_option", "min_marker_side_px must be 8 to 1000", "board.min_marker_side_px");
   }
   if (!(max_homography_error_share > 0.0 && max_homography_error_share <= 0.5)) {
-    return InvalidArgument("invalid_options", "max_homography_error_share must be above 0 and at most 0.5",
+    return InvalidArgument("invalid_option", "max_homography_error_share must be above 0 and at most 0.5",
                            "board.max_homography_error_share");
   }
   return Status::Ok();

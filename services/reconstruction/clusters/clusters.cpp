@@ -16,7 +16,7 @@ using PairSet = std::set<std::pair<int, int>>;
 
 Status CheckRange(bool ok, const char* field, const char* range) {
   if (ok) return Status::Ok();
-  return InvalidArgument("invalid_options", std::string(field) + " must be " + range, field);
+  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
 }
 
 Status CheckGraph(const SimilarityGraph& graph) {

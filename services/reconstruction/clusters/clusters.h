@@ -15,19 +15,19 @@ struct ViewClusterOptions {
   /// Sets of up to this many pictures are one cluster in which every pair is matched.
   int exhaustive_max_images = 20;
   /// 1..100; every picture is matched with that many most similar ones, in whatever clusters, so that rings close.
-  int links_per_image = 4;
+  int links_per_image = 2;
   /// 0..100; every picture is also matched with that many after it in the order of the set, round from the last to the
   /// first: a turntable brings its pictures in order, and a board that looks alike every quarter turn misleads the
   /// Fisher vectors. Where the order means nothing, matching gives such pairs up early.
   int sequence_window = 3;
 
-  /// 400 `invalid_options` naming the field that is out of its range.
+  /// 400 `invalid_option` naming the field that is out of its range.
   Status Check() const;
 };
 
 /// Clusters of similar pictures by normalised cut of the similarity graph (Shi & Malik 2000), joined by shared
 /// pictures, and the pairs to be matched, whose number grows linearly with that of the pictures. Errors: 400
-/// `invalid_options`, 422 `too_few_images` under 2, `cancelled`.
+/// `invalid_option`, 422 `too_few_images` under 2, `cancelled`.
 Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ViewClusterOptions& options,
                                  const RunContext& context);
 

@@ -17,7 +17,7 @@ constexpr std::size_t kCancelInterval = 1000;
 
 Status CheckRange(bool ok, const char* field, const char* range) {
   if (ok) return Status::Ok();
-  return InvalidArgument("invalid_options", std::string(field) + " must be " + range, field);
+  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
 }
 
 Status CheckInput(const GrayImage& image, const GrayImage* mask) {

@@ -31,13 +31,13 @@ struct FeatureOptions {
   int max_features = 10'000;
   int grid_cell_px = 128;  ///< 8..4096, side of a cell of that grid, pixels of the full picture
 
-  /// 400 `invalid_options` naming the field that is out of its range.
+  /// 400 `invalid_option` naming the field that is out of its range.
   Status Check() const;
 };
 
 /// SIFT features of one picture, ordered by scale (coarsest first), then by row and column; the same for any number of
 /// threads. One call works on one thread; calls on different threads do not disturb each other. `mask`, when given, has
-/// the picture's size; no extremum is sought where it is 0. Errors: 400 `invalid_options`, 400 `invalid_mask`, 422
+/// the picture's size; no extremum is sought where it is 0. Errors: 400 `invalid_option`, 400 `invalid_mask`, 422
 /// `image_too_small` (a side under 16 pixels), `cancelled`.
 Result<Features> RunFeatures(const GrayImage& image, const FeatureOptions& options, const RunContext& context,
                              const GrayImage* mask = nullptr);

@@ -52,6 +52,7 @@ Status MatchingOptions::Check() const {
   DRUPE_RETURN_IF_ERROR(
       CheckRange(max_iterations >= 1 && max_iterations <= 1'000'000, "max_iterations", "1 to 1000000"));
   DRUPE_RETURN_IF_ERROR(CheckRange(min_inliers >= 5, "min_inliers", "5 or more"));
+  DRUPE_RETURN_IF_ERROR(CheckRange(min_angle_deg >= 0 && min_angle_deg < 90, "min_angle_deg", "0 up to 90"));
   DRUPE_RETURN_IF_ERROR(CheckRange(exhaustive_features >= 0, "exhaustive_features", "0 or more"));
   DRUPE_RETURN_IF_ERROR(
       CheckRange(guided_max_ratio > 0 && guided_max_ratio <= 1, "guided_max_ratio", "above 0 and up to 1"));

@@ -18,6 +18,9 @@ struct MatchingOptions {
   double confidence = 0.9999;  ///< 0..1; RANSAC ends once a better model is less likely than 1 minus this
   int max_iterations = 2'000;  ///< RANSAC samples per pair
   int min_inliers = 20;        ///< pairs with fewer verified matches are dropped
+  /// >= 0, degrees; pairs whose rays meet at less than this (median) are dropped: they measure no depth, and a
+  /// repeating pattern matched with itself a period away looks like that.
+  double min_angle_deg = 0.7;
   /// Features of each picture, the coarsest ones, that are compared with all of the other; the rest are matched along
   /// the epipolar lines these have given. 0: all are compared.
   int exhaustive_features = 4'000;

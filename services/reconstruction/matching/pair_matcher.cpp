@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "reconstruction/matching/guided.h"
@@ -172,6 +173,8 @@ class PairMatcher {
       if (other.matches.pairs.size() > best.matches.pairs.size()) best = std::move(other);
     }
     if (!IsEnough(best.matches)) return std::nullopt;
+    const double angle = MedianAngle(best.pose, best.matches);
+    if (angle < options_.min_angle_deg * std::numbers::pi / 180) return std::nullopt;
     return Describe(best, pair);
   }
 

@@ -14,7 +14,7 @@ namespace {
 
 Status CheckRange(bool ok, const char* field, const char* range) {
   if (ok) return Status::Ok();
-  return InvalidArgument("invalid_options", std::string(field) + " must be " + range, field);
+  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
 }
 
 /// Every `stride`-th of the picture's first `limit` descriptors, one a column.

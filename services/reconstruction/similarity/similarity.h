@@ -17,13 +17,13 @@ struct SimilarityOptions {
   int em_iterations = 8;              ///< 1..1000
   int descriptors_per_image = 800;    ///< >= 100; the coarsest ones, which are the most repeatable, describe a picture
 
-  /// 400 `invalid_options` naming the field that is out of its range.
+  /// 400 `invalid_option` naming the field that is out of its range.
   Status Check() const;
 };
 
 /// The similarity graph of a set of pictures: the distance of every two Fisher vectors, and the weight of the edge
 /// between them (largest distance of all minus theirs). Pictures without features are infinitely unlike: weight 0.
-/// Errors: 400 `invalid_options`, 422 `no_features` when no picture has any, `cancelled`.
+/// Errors: 400 `invalid_option`, 422 `no_features` when no picture has any, `cancelled`.
 Result<SimilarityGraph> RunSimilarity(std::span<const Features> features, const SimilarityOptions& options,
                                       const RunContext& context);
 

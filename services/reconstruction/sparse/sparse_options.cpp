@@ -34,7 +34,7 @@ Status SparseOptions::Check() const {
   for (const Range& range : ranges) {
     if (range.value >= range.minimum && range.value <= range.maximum) continue;  // NaN fails both
     return InvalidArgument(
-        "invalid_options",
+        "invalid_option",
         std::string(range.field) + " must be " + Number(range.minimum) + " to " + Number(range.maximum),
         std::string("sparse.") + range.field);
   }
