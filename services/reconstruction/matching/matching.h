@@ -20,7 +20,7 @@ struct MatchingOptions {
   int min_inliers = 20;        ///< pairs with fewer verified matches are dropped
   /// >= 0, degrees; pairs whose rays meet at less than this (median) are dropped: they measure no depth, and a
   /// repeating pattern matched with itself a period away looks like that.
-  double min_angle_deg = 0.7;
+  double min_angle_deg = 1.0;
   /// Features of each picture, the coarsest ones, that are compared with all of the other; the rest are matched along
   /// the epipolar lines these have given. 0: all are compared.
   int exhaustive_features = 4'000;
