@@ -158,7 +158,7 @@ class Calibrator {
     const Eigen::Vector2d middle = pattern_.CornerMm(pattern_.CornerCount() - 1) / 2;
     const Eigen::Vector3d sight = (cam_from_pattern * Eigen::Vector3d(middle.x(), middle.y(), 0)).normalized();
     const double cosine = std::min(1.0, std::abs(cam_from_pattern.rotation.col(2).dot(sight)));
-    return std::acos(cosine) * 180 / std::numbers::pi;
+    return std::round(std::acos(cosine) * 180e3 / std::numbers::pi) * 1e-3;  // finer means nothing
   }
 
   double Coverage(const std::vector<std::size_t>& in_use) const {

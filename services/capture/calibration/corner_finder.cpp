@@ -20,6 +20,9 @@ cv::Mat View(const GrayImage& image) {
 std::vector<cv::Point2f> Search(const cv::Mat& picture, const Checkerboard& pattern) {
   std::vector<cv::Point2f> corners;
   const cv::Size size(pattern.columns, pattern.rows);
+  // Threads go over the pictures; OpenCV's own would make the last digits depend on their timing.
+  static const bool opencv_is_serial = (cv::setNumThreads(1), true);
+  static_cast<void>(opencv_is_serial);
   if (!cv::findChessboardCornersSB(picture, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) corners.clear();
   return corners;
 }

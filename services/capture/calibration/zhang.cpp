@@ -63,11 +63,19 @@ Fit CalibrateSignificant(const Problem& problem, int& flags) {
   return fit;
 }
 
+/// To nine significant digits, three more than any calibration has. cv::calibrateCamera's last digits change from call
+/// to call for the same input (seen on small pictures, also on one thread); a result must not.
+double Rounded(double value) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 8);
+  return std::round(value / unit) * unit;
+}
+
 PinholeCamera CameraOf(const Fit& fit, const cv::Size& size) {
   PinholeCamera camera{.width = size.width, .height = size.height};
-  camera.fx = fit.k.at<double>(0, 0), camera.fy = fit.k.at<double>(1, 1);
-  camera.cx = fit.k.at<double>(0, 2), camera.cy = fit.k.at<double>(1, 2);
-  for (int i = 0; i < 5; ++i) camera.dist[i] = fit.dist.at<double>(i);
+  camera.fx = Rounded(fit.k.at<double>(0, 0)), camera.fy = Rounded(fit.k.at<double>(1, 1));
+  camera.cx = Rounded(fit.k.at<double>(0, 2)), camera.cy = Rounded(fit.k.at<double>(1, 2));
+  for (int i = 0; i < 5; ++i) camera.dist[i] = Rounded(fit.dist.at<double>(i));
   return camera;
 }
 
@@ -82,9 +90,9 @@ double SigmaCorrection(const Problem& problem, int flags) {
 }
 
 IntrinsicsSigma SigmaOf(const Fit& fit, int flags, double correction) {
-  const cv::Mat values = fit.sigma * correction;
-  IntrinsicsSigma sigma{values.at<double>(0), values.at<double>(1), values.at<double>(2), values.at<double>(3), {}};
-  for (int i = 0; i < 5; ++i) sigma.dist[i] = values.at<double>(4 + i);
+  const auto value = [&](int i) { return Rounded(fit.sigma.at<double>(i) * correction); };
+  IntrinsicsSigma sigma{value(0), value(1), value(2), value(3), {}};
+  for (int i = 0; i < 5; ++i) sigma.dist[i] = value(4 + i);
   if (flags & cv::CALIB_FIX_ASPECT_RATIO) sigma.fx = sigma.fy;
   return sigma;
 }
@@ -104,12 +112,12 @@ ZhangSolution SolutionOf(const Fit& fit, int flags, const Problem& problem) {
   ZhangSolution solution;
   solution.camera = CameraOf(fit, problem.size);
   solution.sigma = SigmaOf(fit, flags, SigmaCorrection(problem, flags));
-  solution.rms_px = fit.rms;
+  solution.rms_px = Rounded(fit.rms);
   solution.fixed_k3 = (flags & cv::CALIB_FIX_K3) != 0;
   solution.square_pixels = (flags & cv::CALIB_FIX_ASPECT_RATIO) != 0;
   for (std::size_t i = 0; i < fit.rotations.size(); ++i) {
     solution.cam_from_pattern.push_back(PoseOf(fit.rotations[i], fit.translations[i]));
-    solution.view_rms_px.push_back(fit.view_rms.at<double>(static_cast<int>(i)));
+    solution.view_rms_px.push_back(Rounded(fit.view_rms.at<double>(static_cast<int>(i))));
   }
   return solution;
 }
