@@ -54,11 +54,11 @@ void Visit(Visitor& visit, ViewClusterOptions& o) {
 template <typename Visitor>
 void Visit(Visitor& visit, MatchingOptions& o) {
   visit("max_ratio", o.max_ratio);
-  visit("calibrated", o.calibrated);
   visit("max_error_px", o.max_error_px);
   visit("confidence", o.confidence);
   visit("max_iterations", o.max_iterations);
   visit("min_inliers", o.min_inliers);
+  visit("min_angle_deg", o.min_angle_deg);
   visit("exhaustive_features", o.exhaustive_features);
   visit("guided", o.guided);
   visit("guided_max_ratio", o.guided_max_ratio);

@@ -13,7 +13,6 @@ namespace drupe {
 /// How features of two pictures are matched and the matches verified.
 struct MatchingOptions {
   double max_ratio = 0.7;      ///< 0..1; H of the paper's table 1: nearest distance over second nearest
-  bool calibrated = true;      ///< false: the camera is a guess, so pairs are verified by a fundamental matrix
   double max_error_px = 1.5;   ///< > 0; largest distance from the epipolar line (Sampson) of an inlier
   double confidence = 0.9999;  ///< 0..1; RANSAC ends once a better model is less likely than 1 minus this
   int max_iterations = 2'000;  ///< RANSAC samples per pair
@@ -35,8 +34,8 @@ struct MatchingOptions {
 };
 
 /// Matches every pair of `clusters.pairs` and verifies it: descriptors by ratio and mutual check, then an essential
-/// matrix (or fundamental, when not calibrated) by a locally optimised RANSAC. All pictures share `camera`. Pairs that
-/// fail are left out. Errors: 400 `invalid_option`, 400 `invalid_pair`, `cancelled`.
+/// matrix by a locally optimised RANSAC. All pictures share `camera`, which may be a guess if `max_error_px` allows for
+/// it. Pairs that fail are left out. Errors: 400 `invalid_option`, 400 `invalid_pair`, `cancelled`.
 Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
                                const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context);
 
