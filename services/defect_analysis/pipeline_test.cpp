@@ -49,6 +49,41 @@ TEST(RunAnalysis, SpotsOfKnownAreaAreMeasuredToOnePercent) {
   }
 }
 
+// Takes out the points within `half_width` mm of the plane through the fruit's centre with this normal.
+void CutGap(const SyntheticFruit& fruit, const Eigen::Vector3d& normal, double half_width, PointCloud& cloud) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double away = normal.dot(cloud.positions[i].cast<double>() - fruit.centre);
+    if (std::abs(away) < half_width) continue;
+    cloud.positions[kept] = cloud.positions[i];
+    cloud.colours[kept++] = cloud.colours[i];
+  }
+  cloud.positions.resize(kept);
+  cloud.colours.resize(kept);
+  cloud.normals.clear();
+}
+
+TEST(RunAnalysis, SpotAcrossAGapIsOneDefect) {
+  SyntheticFruit fruit = SpottedFruit();
+  fruit.spots.resize(1);
+  AnalysisInput input = InputOf({fruit});
+  CutGap(fruit, fruit.spots[0].direction.unitOrthogonal(), 0.4, input.cloud);
+  const auto report = RunAnalysis(input, {}, {});
+  ASSERT_TRUE(report.ok());
+  ASSERT_EQ(report->fruits.size(), 1u);
+  ASSERT_EQ(report->fruits[0].defects.size(), 1u);
+  EXPECT_EQ(report->fruits[0].defects[0].defect_class, DefectClass::kRainSpot);
+  EXPECT_NEAR(report->fruits[0].defects[0].area_mm2 / fruit.SpotArea(fruit.spots[0]), 1, 0.04);
+}
+
+TEST(RunAnalysis, GlossIsNoDefect) {
+  SyntheticFruit fruit = SpottedFruit();
+  fruit.spots[0].srgb = Eigen::Vector3d(189, 204, 149);  // the skin's light and a quarter of white's
+  const auto report = RunAnalysis(InputOf({fruit}), {}, {});
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(report->fruits[0].defects.size(), fruit.spots.size() - 1);
+}
+
 TEST(RunAnalysis, IntactFruitHasNoDefects) {
   SyntheticFruit fruit;
   fruit.polar_mm = 16;

@@ -24,12 +24,14 @@ void VisitFields(Options& o, const Visit& visit) {
   visit("lightness_weight", o.lightness_weight);
   visit("significance_delta_e", o.significance_delta_e);
   visit("significance_sigma", o.significance_sigma);
+  visit("local_sigma", o.local_sigma);
 }
 
 template <typename Options, typename Visit>
 requires std::same_as<std::remove_const_t<Options>, ClusterOptions>
 void VisitFields(Options& o, const Visit& visit) {
   visit("min_area_mm2", o.min_area_mm2);
+  visit("bridge_mm", o.bridge_mm);
   visit("merge_distance_mm", o.merge_distance_mm);
   visit("max_defects", o.max_defects);
 }
@@ -101,11 +103,13 @@ Status SegmentationOptions::Check() const {
   if (!IsWithin(lightness_weight, 0, 1)) return Refuse("segmentation.lightness_weight", "0 to 1");
   if (!IsWithin(significance_delta_e, 1, 100)) return Refuse("segmentation.significance_delta_e", "1 to 100");
   if (!IsWithin(significance_sigma, 1, 100)) return Refuse("segmentation.significance_sigma", "1 to 100");
+  if (!IsWithin(local_sigma, 0, 100)) return Refuse("segmentation.local_sigma", "0 to 100");
   return Status::Ok();
 }
 
 Status ClusterOptions::Check() const {
   if (!IsWithin(min_area_mm2, 0.01, 1e4)) return Refuse("cluster.min_area_mm2", "0.01 to 10000");
+  if (!IsWithin(bridge_mm, 0, 10)) return Refuse("cluster.bridge_mm", "0 to 10");
   if (!IsWithin(merge_distance_mm, 0, 5)) return Refuse("cluster.merge_distance_mm", "0 to 5");
   if (max_defects < 1 || max_defects > 10000) return Refuse("cluster.max_defects", "1 to 10000");
   return Status::Ok();

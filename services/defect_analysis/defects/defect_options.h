@@ -16,6 +16,7 @@ struct SegmentationOptions {
   double lightness_weight = 0.5;    ///< of L against a and b, since shading changes L most; 0..1
   double significance_delta_e = 9;  ///< weighted colour difference from the healthy skin that a defect must reach
   double significance_sigma = 5;    ///< the same in robust standard deviations of the healthy skin
+  double local_sigma = 3;           ///< the same in those of single points of the skin beside the defect
 
   Status Check() const;
 };
@@ -23,6 +24,7 @@ struct SegmentationOptions {
 /// Grouping of defect points into defects (paper 4.2, Figure 12 c).
 struct ClusterOptions {
   double min_area_mm2 = 0.35;      ///< smaller patches (lenticels, noise) are no defects
+  double bridge_mm = 2.5;          ///< gaps in the cloud up to this wide are bridged with the colours at their edges
   double merge_distance_mm = 0.3;  ///< patches closer than this are one defect
   int max_defects = 500;           ///< reported for one fruit at most, largest first
 

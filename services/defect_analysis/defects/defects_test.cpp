@@ -4,10 +4,12 @@
 #include <numbers>
 #include <random>
 
+#include "defect_analysis/defects/bridge_gaps.h"
 #include "defect_analysis/defects/classify.h"
 #include "defect_analysis/defects/contour.h"
 #include "defect_analysis/defects/plane_fit.h"
 #include "defect_analysis/defects/segmentation.h"
+#include "defect_analysis/defects/significance.h"
 
 namespace drupe {
 namespace {
@@ -149,6 +151,74 @@ TEST(FitDefectPlane, IgnoresPointsOffThePlane) {
 TEST(FitDefectPlane, PointsOnALineAreRefused) {
   const std::vector<Eigen::Vector3d> line = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}};
   EXPECT_EQ(FitDefectPlane(line, Eigen::Vector3d::UnitZ(), 0, {}, 1).status().code(), "degenerate_plane");
+}
+
+// A ball of radius 18 mm, green where x < 0 and brown elsewhere, without a band of 2 mm at x = 0 and without a cap
+// below.
+FruitCloud BallWithGap() {
+  FruitCloud fruit;
+  fruit.surface = Sphere(18);
+  fruit.observed_share = 0.75;
+  constexpr int kPoints = 40000;
+  for (int k = 0; k < kPoints; ++k) {
+    const double z = 1 - (2.0 * k + 1) / kPoints, azimuth = 2 * std::numbers::pi * std::numbers::phi * k;
+    const double ring = std::sqrt(1 - z * z);
+    const Eigen::Vector3d d(ring * std::cos(azimuth), ring * std::sin(azimuth), z);
+    if (std::abs(18 * d.x()) < 1 || z < -0.5) continue;
+    fruit.offsets.push_back((18 * d).cast<float>());
+    fruit.colours.push_back(d.x() < 0 ? Rgb8(100, 150, 50) : Rgb8(100, 90, 60));
+    fruit.lab.push_back(LabFromSrgb(fruit.colours.back()));
+  }
+  return fruit;
+}
+
+TEST(BridgeGaps, FillsNarrowGapsWithTheColoursAtTheirEdges) {
+  const FruitCloud fruit = BallWithGap();
+  const FruitCloud bridged = BridgeGaps(fruit, SkinMap(fruit), 2.5);
+  ASSERT_GT(bridged.size(), fruit.size() + 500);
+  ASSERT_EQ(bridged.lab.size(), bridged.size());
+  for (std::size_t i = fruit.size(); i < bridged.size(); ++i) {
+    const Eigen::Vector3f& x = bridged.offsets[i];
+    ASSERT_NEAR(x.norm(), 18, 1e-3);
+    ASSERT_GT(x.z(), 18 * -0.56);  // the hidden cap stays empty
+    if (std::abs(x.x()) < 0.9f) {
+      ASSERT_NEAR(bridged.colours[i][1], 120 - 30 * x.x(), 20);
+    }
+  }
+}
+
+TEST(BridgeGaps, ZeroWidthAddsNothing) {
+  const FruitCloud fruit = BallWithGap();
+  EXPECT_EQ(BridgeGaps(fruit, SkinMap(fruit), 0).size(), fruit.size());
+}
+
+TransitionField FieldOfColours(const FruitSurface& surface, const Eigen::Vector3d& healthy,
+                               const Eigen::Vector3d& defect) {
+  TransitionField field{.chart = SkinChart(surface, Eigen::Vector3d::UnitX())};
+  field.healthy_linear = healthy;
+  field.defect_linear = defect;
+  field.noise = 0.1;
+  return field;
+}
+
+TEST(StandsOut, GlossDoesNotAndStainsAndPaleScarsDo) {
+  const FruitSurface surface = Sphere(18);
+  const Eigen::Vector3d skin(0.25, 0.30, 0.05);
+  const auto stands_out = [&](const Eigen::Vector3d& colour) {
+    return StandsOut(FieldOfColours(surface, skin, colour), 9, {});
+  };
+  EXPECT_FALSE(stands_out(skin + Eigen::Vector3d::Constant(0.02)));    // a veil
+  EXPECT_FALSE(stands_out(skin + Eigen::Vector3d(0.40, 0.41, 0.42)));  // a highlight
+  EXPECT_TRUE(stands_out({0.15, 0.14, 0.05}));
+  EXPECT_TRUE(stands_out({0.60, 0.50, 0.40}));
+}
+
+TEST(StandsOut, NotFromSkinThatIsAsUneven) {
+  const FruitSurface surface = Sphere(18);
+  TransitionField field = FieldOfColours(surface, {0.25, 0.30, 0.05}, {0.15, 0.14, 0.05});
+  EXPECT_TRUE(StandsOut(field, 9, {}));
+  field.noise = 0.4;
+  EXPECT_FALSE(StandsOut(field, 9, {}));
 }
 
 TEST(Classify, ByShapeSizeAndColour) {

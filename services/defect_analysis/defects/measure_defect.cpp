@@ -84,6 +84,7 @@ std::vector<std::uint32_t> PointsInside(const FruitCloud& fruit, const SkinMap& 
   std::vector<std::uint32_t> inside;
   for (const std::int32_t cell : cells) {
     for (const std::uint32_t i : map.PointsOf(cell)) {
+      if (i >= fruit.size()) continue;  // a bridged gap's
       if (Contains(polygon, field.chart.FlatFromDirection(fruit.offsets[i].cast<double>()))) inside.push_back(i);
     }
   }

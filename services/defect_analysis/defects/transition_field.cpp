@@ -242,9 +242,10 @@ std::optional<TransitionField> BuildTransitionField(const FruitCloud& fruit, con
     if (points[i].healthy) skin_levels.push_back(levels[i]);
     field.points += points[i].in_patch ? 1 : 0;
   }
-  const Eigen::Vector3d middle = healthy->At(Eigen::Vector2d::Zero());
-  field.healthy_lab = LabFromLinear(middle.cast<float>()).cast<double>();
-  field.defect_lab = LabFromLinear(ratio->cwiseProduct(middle).cast<float>()).cast<double>();
+  field.healthy_linear = healthy->At(Eigen::Vector2d::Zero());
+  field.defect_linear = ratio->cwiseProduct(field.healthy_linear);
+  field.healthy_lab = LabFromLinear(field.healthy_linear.cast<float>()).cast<double>();
+  field.defect_lab = LabFromLinear(field.defect_linear.cast<float>()).cast<double>();
   field.noise = RobustSigma(std::move(skin_levels));
   field.spacing = std::sqrt(area / static_cast<double>(points.size()));
   field.blur = kBlurPerSpacing * field.spacing;
