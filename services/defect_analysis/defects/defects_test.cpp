@@ -201,14 +201,15 @@ TransitionField FieldOfColours(const FruitSurface& surface, const Eigen::Vector3
   return field;
 }
 
-TEST(StandsOut, GlossDoesNotAndStainsAndPaleScarsDo) {
+TEST(StandsOut, LightDoesNotAndStainsAndPaleScarsDo) {
   const FruitSurface surface = Sphere(18);
   const Eigen::Vector3d skin(0.25, 0.30, 0.05);
   const auto stands_out = [&](const Eigen::Vector3d& colour) {
     return StandsOut(FieldOfColours(surface, skin, colour), 9, {});
   };
-  EXPECT_FALSE(stands_out(skin + Eigen::Vector3d::Constant(0.02)));    // a veil
-  EXPECT_FALSE(stands_out(skin + Eigen::Vector3d(0.40, 0.41, 0.42)));  // a highlight
+  EXPECT_FALSE(stands_out(skin + Eigen::Vector3d::Constant(0.02)));       // a veil
+  EXPECT_FALSE(stands_out(skin + Eigen::Vector3d(0.40, 0.41, 0.42)));     // a highlight
+  EXPECT_FALSE(stands_out(1.5 * skin + Eigen::Vector3d::Constant(0.1)));  // better lit, and glossy
   EXPECT_TRUE(stands_out({0.15, 0.14, 0.05}));
   EXPECT_TRUE(stands_out({0.60, 0.50, 0.40}));
 }
