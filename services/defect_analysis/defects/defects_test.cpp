@@ -210,6 +210,8 @@ TEST(StandsOut, LightDoesNotAndStainsAndPaleScarsDo) {
   EXPECT_FALSE(stands_out(skin + Eigen::Vector3d::Constant(0.02)));       // a veil
   EXPECT_FALSE(stands_out(skin + Eigen::Vector3d(0.40, 0.41, 0.42)));     // a highlight
   EXPECT_FALSE(stands_out(1.5 * skin + Eigen::Vector3d::Constant(0.1)));  // better lit, and glossy
+  EXPECT_FALSE(stands_out({0.375, 0.45, 0.065}));                         // better lit
+  EXPECT_TRUE(stands_out({0.375, 0.45, 0.01}));                           // a yellow blotch
   EXPECT_TRUE(stands_out({0.15, 0.14, 0.05}));
   EXPECT_TRUE(stands_out({0.60, 0.50, 0.40}));
 }

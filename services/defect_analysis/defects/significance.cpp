@@ -15,6 +15,7 @@ Eigen::Vector3d WithoutAddedLight(const Eigen::Vector3d& colour, const Eigen::Ve
   const double gain = (skin_dev * colour.array()).sum() / std::max(1e-9, skin_dev.square().sum());
   const double gloss = colour.mean() - gain * skin.mean();
   if (gain > 1 && gloss > 0) return (colour.array() - gloss) / gain;
+  if (gain > 1) return colour / std::max(1.0, colour.dot(skin) / skin.squaredNorm());
   return colour.array() - std::max(0.0, (colour - skin).minCoeff());
 }
 
