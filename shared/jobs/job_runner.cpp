@@ -71,6 +71,8 @@ class JobRunner::Impl {
   void WorkerLoop(int number);
   void HeartbeatLoop();
   void BeatAll();
+  /// Lets the next heartbeat come at once, so that a stage is seen however short it is.
+  void BeatNow();
   void Beat(RunningJob& running);
   void RunOne(const Job& job);
   Result<Json> CallHandler(const Entry& entry, const Job& job, const RunContext& context) const;
@@ -91,6 +93,7 @@ class JobRunner::Impl {
   mutable std::mutex mutex_;
   std::condition_variable changed_;  ///< running_ or a flag below
   std::set<std::shared_ptr<RunningJob>> running_;
+  bool beat_now_ = false;   ///< a stage has begun
   bool draining_ = false;   ///< no further claims
   bool giving_up_ = false;  ///< the drain time is over
   bool finished_ = false;   ///< the workers have ended
@@ -178,7 +181,7 @@ void JobRunner::Impl::WorkerLoop(int number) {
 
 void JobRunner::Impl::RunOne(const Job& job) {
   const Entry& entry = entries_.at(job.kind);
-  const auto running = std::make_shared<RunningJob>(job.id, job.attempt, entry.stages);
+  const auto running = std::make_shared<RunningJob>(job.id, job.attempt, entry.stages, [this] { BeatNow(); });
   if (!Register(running)) {
     (void)store_.Release(job.id, job.attempt);  // when this fails, the lease runs out
     return;
@@ -227,11 +230,20 @@ Status JobRunner::Impl::Deliver(const RunningJob& running, const Result<Json>& o
 void JobRunner::Impl::HeartbeatLoop() {
   std::unique_lock lock(mutex_);
   while (!finished_) {
-    changed_.wait_for(lock, milliseconds(options_.heartbeat_ms), [&] { return finished_; });
+    changed_.wait_for(lock, milliseconds(options_.heartbeat_ms), [&] { return finished_ || beat_now_; });
+    beat_now_ = false;
     lock.unlock();
     BeatAll();
     lock.lock();
   }
+}
+
+void JobRunner::Impl::BeatNow() {
+  {
+    const std::lock_guard lock(mutex_);
+    beat_now_ = true;
+  }
+  changed_.notify_all();
 }
 
 void JobRunner::Impl::BeatAll() {

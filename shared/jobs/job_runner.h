@@ -17,7 +17,7 @@ struct JobRunnerOptions {
   int workers = 1;                     ///< jobs run at once, 1..256
   int threads_per_job = 0;             ///< RunContext::threads; 0: one per core
   std::int64_t lease_ms = 30'000;      ///< at least 3 heartbeats
-  std::int64_t heartbeat_ms = 500;     ///< how often progress is written and a cancel is seen
+  std::int64_t heartbeat_ms = 500;     ///< how often progress is written and a cancel is seen; a new stage at once
   std::int64_t idle_poll_ms = 500;     ///< how often an idle worker looks for retries that became due
   std::int64_t drain_ms = 20'000;      ///< how long Stop lets running jobs go on
   std::string worker_name = "worker";  ///< in Job::worker, followed by the thread's number

@@ -129,6 +129,21 @@ TEST_F(JobRunnerTest, ShowsStageAndProgressByTheShareOfTheStages) {
   EXPECT_EQ(WaitForEnd(id).progress, 1);
 }
 
+TEST_F(JobRunnerTest, ShowsANewStageWithoutWaitingForTheHeartbeat) {
+  std::atomic<bool> seen{false};
+  runner_ = std::make_unique<JobRunner>(*store_, JobRunnerOptions{.lease_ms = 600'000, .heartbeat_ms = 200'000});
+  runner_->Handle("work", [&](const Job&, const RunContext& context) -> Result<Json> {
+    context.Report("dense", 0.5);
+    while (!seen) std::this_thread::sleep_for(milliseconds(1));
+    return Json(1);
+  });
+  ASSERT_TRUE(runner_->Start().ok());
+  const std::string id = Submit();
+  EXPECT_EQ(WaitFor(id, [](const Job& job) { return job.stage == "dense"; }).stage, "dense");
+  seen = true;
+  WaitForEnd(id);
+}
+
 TEST_F(JobRunnerTest, CancelReachesTheHandler) {
   Start(WorkUntilStopped);
   const std::string id = Submit();

@@ -5,8 +5,9 @@
 
 namespace drupe {
 
-RunningJob::RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages)
-    : id_(std::move(id)), attempt_(attempt), stages_(stages) {}
+RunningJob::RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages,
+                       std::function<void()> on_new_stage)
+    : id_(std::move(id)), attempt_(attempt), stages_(stages), on_new_stage_(std::move(on_new_stage)) {}
 
 RunContext RunningJob::MakeContext(int threads) {
   RunContext context;
@@ -23,9 +24,14 @@ Heartbeat RunningJob::Snapshot(std::int64_t lease_ms) const {
 
 void RunningJob::Report(std::string_view stage, double fraction) {
   const double overall = OverallProgress(stage, std::clamp(fraction, 0.0, 1.0));
-  const std::lock_guard lock(mutex_);
-  stage_ = stage;
-  progress_ = std::max(progress_, overall);
+  bool is_new = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_new = stage_ != stage;
+    stage_ = stage;
+    progress_ = std::max(progress_, overall);
+  }
+  if (is_new) on_new_stage_();
 }
 
 double RunningJob::OverallProgress(std::string_view stage, double fraction) const {

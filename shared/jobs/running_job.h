@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -14,8 +15,9 @@ namespace drupe {
 /// An attempt in progress: what the handler's thread reports and what the heartbeat thread tells it.
 class RunningJob {
  public:
-  /// `stages` must outlive the attempt.
-  RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages);
+  /// `stages` must outlive the attempt. `on_new_stage` is called on the handler's thread whenever a stage begins.
+  RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages,
+             std::function<void()> on_new_stage);
 
   const std::string& id() const { return id_; }
   std::int64_t attempt() const { return attempt_; }
@@ -38,6 +40,7 @@ class RunningJob {
   const std::string id_;
   const std::int64_t attempt_;
   const std::vector<StageShare>& stages_;
+  const std::function<void()> on_new_stage_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> given_up_{false};
   mutable std::mutex mutex_;

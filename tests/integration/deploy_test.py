@@ -63,7 +63,7 @@ class DeployTest(unittest.TestCase):
         self.assertEqual(self.pids(), {}, "what had started is stopped again")
 
     def test_a_service_that_cannot_start(self):
-        (self.data / "reconstruction").write_text("a file where the data directory should be")
+        (self.data / "reconstruction.db").mkdir()  # where its database should be
         up = self.up()
         self.assertEqual(up.returncode, 1, up)
         self.assertIn("drupe-reconstruction stopped at once", up.stderr)
