@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kChunk = 8192;            ///< points a work item
 constexpr std::size_t kShadingPoints = 20'000;  ///< points that the shading is fitted to
 constexpr double kLeastShare = 0.75;            ///< a view's score against the best: beyond it the skin is seen aslant
+constexpr double kLeastShareElsewhere = 0.4;    ///< the same where the owner's own look cannot be trusted
 constexpr float kBrighter = 0.06f, kDarker = 0.12f;  ///< logarithmic green, from the median
 constexpr float kTolerance = 2.0f;                   ///< pixels of parallax, for visibility
 constexpr float kSaturated = 252.0f;
@@ -63,18 +64,22 @@ void AddLook(const LevelContext& context, const std::vector<PatchMap>& maps, int
   look.weight = share4 * share4;
 }
 
-/// The owner first, then its neighbours in their order.
-Looks CollectLooks(const LevelContext& context, const std::vector<PatchMap>& maps, int owner,
+/// The owner first, then its neighbours in their order. An owner in whose picture no other view agreed, `matched`
+/// false, owns a point that it borrowed: it shows a highlight there, or the edge of what stands in front. It has no say
+/// as long as any other view sees the point.
+Looks CollectLooks(const LevelContext& context, const std::vector<PatchMap>& maps, int owner, bool matched,
                    const SurfaceElement& element) {
   Looks looks;
   const double best = ViewScore(*context.scene, owner, element);
-  AddLook(context, maps, owner, element, 1.0, false, &looks);
+  const double least_share = matched ? kLeastShare : kLeastShareElsewhere;
+  if (matched) AddLook(context, maps, owner, element, 1.0, false, &looks);
   for (const int neighbour : context.scene->neighbours[owner]) {
     const double share = ViewScore(*context.scene, neighbour, element) / best;
-    if (share >= kLeastShare && looks.count < kMaxLooks) {
+    if (share >= least_share && looks.count < kMaxLooks) {
       AddLook(context, maps, neighbour, element, std::min(share, 1.0), true, &looks);
     }
   }
+  if (looks.count == 0) AddLook(context, maps, owner, element, 1.0, false, &looks);
   return looks;
 }
 
@@ -122,7 +127,7 @@ ShadingModel FitShading(const LevelContext& context, const std::vector<PatchMap>
   std::vector<ShadingSample> samples;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / kShadingPoints);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
-    const Looks looks = CollectLooks(context, maps, owners[i], ElementAt(cloud, i));
+    const Looks looks = CollectLooks(context, maps, owners[i], cloud.view_counts[i] > 1, ElementAt(cloud, i));
     for (int k = 0; k < looks.count; ++k) samples.push_back({looks.items[k].normal_in_cam, looks.items[k].log_colour});
   }
   return ShadingModel::Fit(samples);
@@ -137,7 +142,7 @@ Status ColourPoints(const LevelContext& context, const std::vector<PatchMap>& ma
   return ParallelFor(run, (cloud->size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
     const std::size_t end = std::min(cloud->size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      const Looks looks = CollectLooks(context, maps, owners[i], ElementAt(*cloud, i));
+      const Looks looks = CollectLooks(context, maps, owners[i], cloud->view_counts[i] > 1, ElementAt(*cloud, i));
       cloud->colours[i] =
           looks.count > 0 ? RobustColour(looks, shading) : Eigen::Matrix<std::uint8_t, 3, 1>(255, 255, 255);
     }
