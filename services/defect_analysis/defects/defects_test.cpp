@@ -192,6 +192,47 @@ TEST(BridgeGaps, ZeroWidthAddsNothing) {
   EXPECT_EQ(BridgeGaps(fruit, SkinMap(fruit), 0).size(), fruit.size());
 }
 
+// A patch of 1 mm in the middle of a brown disc of 2 mm, the rest of which was not significant.
+TEST(BuildTransitionField, OutlineStaysNearItsPatch) {
+  FruitCloud fruit;
+  fruit.surface = Sphere(18);
+  fruit.observed_share = 1;
+  constexpr int kPoints = 160000;
+  for (int k = 0; k < kPoints; ++k) {
+    const double x = 1 - (2.0 * k + 1) / kPoints, azimuth = 2 * std::numbers::pi * std::numbers::phi * k;
+    const double ring = std::sqrt(1 - x * x);
+    fruit.offsets.push_back(
+        (18 * Eigen::Vector3d(x, ring * std::cos(azimuth), ring * std::sin(azimuth))).cast<float>());
+    fruit.colours.push_back(18 * std::acos(x) < 2 ? Rgb8(100, 90, 60) : Rgb8(100, 150, 50));
+    fruit.lab.push_back(LabFromSrgb(fruit.colours.back()));
+  }
+  const SkinMap map(fruit);
+  Patch patch;
+  std::vector<std::int32_t> patch_of(map.size(), -1);
+  for (int cell = 0; cell < map.size(); ++cell) {
+    const double away = 18 * std::acos(map.map().DirectionOf(cell).x());
+    if (away < 2) patch_of[cell] = -2;
+    if (away >= 1) continue;
+    patch_of[cell] = 0;
+    patch.cells.push_back(cell);
+    patch.area_mm2 += map.AreaOf(cell);
+  }
+  const auto field = BuildTransitionField(fruit, map, patch, 0, patch_of);
+  ASSERT_TRUE(field.has_value());
+  for (int row = 0; row < field->height; ++row) {
+    for (int column = 0; column < field->width; ++column) {
+      const double away = field->FlatOf(column, row).norm();
+      const float level = field->level[static_cast<std::size_t>(row) * field->width + column];
+      if (away < 1) {
+        ASSERT_GT(level, 0.9f);
+      }
+      if (away > 1.75) {
+        ASSERT_LE(level, 0.01f);
+      }
+    }
+  }
+}
+
 TransitionField FieldOfColours(const FruitSurface& surface, const Eigen::Vector3d& healthy,
                                const Eigen::Vector3d& defect) {
   TransitionField field{.chart = SkinChart(surface, Eigen::Vector3d::UnitX())};

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSkinMargin = 2.0;      // mm of skin around the patch from which the healthy colour is taken
 constexpr double kTransition = 0.45;     // mm next to the patch that may still be transition
+constexpr double kReach = 0.25;          // mm beyond the patch that its outline may reach
 constexpr double kBlurPerSpacing = 0.7;  // the kernel: sharp, but without holes between the points
 constexpr double kStepPerBlur = 0.45;
 constexpr int kMaxNodes = 4'000'000;
@@ -208,13 +209,22 @@ void Resample(const std::vector<NearbyPoint>& points, const std::vector<float>& 
   for (std::size_t i = 0; i < nodes; ++i) field.level[i] /= weight[i];
 }
 
-void MarkInside(const SkinMap& map, int number, const std::vector<std::int32_t>& patch_of, TransitionField& field) {
+// Marks the patch, and makes healthy what lies beyond its reach: there uneven or shaded skin may come near the defect's
+// colour, but it was not significant.
+void MarkInside(const SkinMap& map, const Patch& patch, int number, const std::vector<std::int32_t>& patch_of,
+                TransitionField& field) {
+  std::vector<int> depth;
+  const std::vector<std::int32_t> near = CellsAround(map, patch, kReach, depth);
+  std::vector<std::uint8_t> is_near(map.size(), 0);
+  for (const std::int32_t cell : near) is_near[cell] = 1;
   field.inside.resize(field.level.size());
   for (int row = 0; row < field.height; ++row) {
     for (int column = 0; column < field.width; ++column) {
       const Eigen::Vector3d direction = field.chart.DirectionFromFlat(field.FlatOf(column, row));
       const int cell = map.map().CellOf(direction.cast<float>());
-      field.inside[static_cast<std::size_t>(row) * field.width + column] = patch_of[cell] == number ? 1 : 0;
+      const std::size_t node = static_cast<std::size_t>(row) * field.width + column;
+      field.inside[node] = patch_of[cell] == number ? 1 : 0;
+      if (is_near[cell] == 0) field.level[node] = std::min(field.level[node], 0.0f);
     }
   }
 }
@@ -251,7 +261,7 @@ std::optional<TransitionField> BuildTransitionField(const FruitCloud& fruit, con
   field.blur = kBlurPerSpacing * field.spacing;
   LayGrid(points, field);
   Resample(points, levels, field);
-  MarkInside(map, patch_number, patch_of, field);
+  MarkInside(map, patch, patch_number, patch_of, field);
   return field;
 }
 

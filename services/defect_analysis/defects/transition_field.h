@@ -34,8 +34,9 @@ struct TransitionField {
 /// Resamples the points about a patch. The level is the colour's place on the line from the healthy to the defective
 /// colour, in linear light, where blur by lens and averaging is symmetric, so that the half-way level lies on the true
 /// boundary however soft the transition looks. The healthy colour follows the shading as an affine function fitted to
-/// the skin around the patch; the defective one is that of the patch's core, shaded like the skin. `patch_of` is
-/// FindPatches'. Nothing when too few points are there to tell the two colours.
+/// the skin around the patch; the defective one is that of the patch's core, shaded like the skin. Farther than
+/// a transition's width from the patch the level is 0. `patch_of` is FindPatches'. Nothing when too few points are
+/// there to tell the two colours.
 std::optional<TransitionField> BuildTransitionField(const FruitCloud& fruit, const SkinMap& map, const Patch& patch,
                                                     int patch_number, const std::vector<std::int32_t>& patch_of);
 
