@@ -63,19 +63,25 @@ Fit CalibrateSignificant(const Problem& problem, int& flags) {
   return fit;
 }
 
-/// To nine significant digits, three more than any calibration has. cv::calibrateCamera's last digits change from call
-/// to call for the same input (seen on small pictures, also on one thread); a result must not.
-double Rounded(double value) {
-  if (value == 0 || !std::isfinite(value)) return value;
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 8);
+/// `value` to a thousandth of the power of ten below `scale`. The last digits of cv::calibrateCamera change from call
+/// to call for the same input (seen on small pictures, also on one thread), by up to 1e-7 of a parameter's uncertainty;
+/// a result must not.
+double RoundedTo(double value, double scale) {
+  if (!(scale > 0) || !std::isfinite(scale) || !std::isfinite(value)) return value;
+  const double unit = std::pow(10.0, std::floor(std::log10(scale)) - 3);
   return std::round(value / unit) * unit;
 }
 
-PinholeCamera CameraOf(const Fit& fit, const cv::Size& size) {
+/// To four significant digits.
+double Rounded(double value) {
+  return RoundedTo(value, std::abs(value));
+}
+
+PinholeCamera CameraOf(const Fit& fit, const cv::Size& size, const IntrinsicsSigma& sigma) {
   PinholeCamera camera{.width = size.width, .height = size.height};
-  camera.fx = Rounded(fit.k.at<double>(0, 0)), camera.fy = Rounded(fit.k.at<double>(1, 1));
-  camera.cx = Rounded(fit.k.at<double>(0, 2)), camera.cy = Rounded(fit.k.at<double>(1, 2));
-  for (int i = 0; i < 5; ++i) camera.dist[i] = Rounded(fit.dist.at<double>(i));
+  camera.fx = RoundedTo(fit.k.at<double>(0, 0), sigma.fx), camera.fy = RoundedTo(fit.k.at<double>(1, 1), sigma.fy);
+  camera.cx = RoundedTo(fit.k.at<double>(0, 2), sigma.cx), camera.cy = RoundedTo(fit.k.at<double>(1, 2), sigma.cy);
+  for (int i = 0; i < 5; ++i) camera.dist[i] = RoundedTo(fit.dist.at<double>(i), sigma.dist[i]);
   return camera;
 }
 
@@ -110,8 +116,8 @@ Rigid3 PoseOf(const cv::Mat& rotation_vector, const cv::Mat& translation) {
 
 ZhangSolution SolutionOf(const Fit& fit, int flags, const Problem& problem) {
   ZhangSolution solution;
-  solution.camera = CameraOf(fit, problem.size);
   solution.sigma = SigmaOf(fit, flags, SigmaCorrection(problem, flags));
+  solution.camera = CameraOf(fit, problem.size, solution.sigma);
   solution.rms_px = Rounded(fit.rms);
   solution.fixed_k3 = (flags & cv::CALIB_FIX_K3) != 0;
   solution.square_pixels = (flags & cv::CALIB_FIX_ASPECT_RATIO) != 0;
