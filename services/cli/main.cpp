@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   drupe::AddRunCommand(app, exit_code);
   drupe::AddCalibrateCommand(app, exit_code);
   drupe::AddBoardCommand(app, exit_code);
+  drupe::AddBenchCommand(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

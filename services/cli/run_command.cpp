@@ -14,17 +14,16 @@
 #include "base/json.h"
 #include "base/version.h"
 #include "cli/commands.h"
-#include "cli/image_directory.h"
+#include "cli/json_arguments.h"
 #include "cli/progress_bar.h"
 #include "cli/report_table.h"
+#include "cli/source_images.h"
 #include "defect_analysis/pipeline.h"
 #include "reconstruction/pipeline.h"
 
 namespace drupe {
 
 namespace {
-
-constexpr std::size_t kMaxJsonFileBytes = 8 << 20;
 
 /// What the user wrote after `drupe run`.
 struct RunArguments {
@@ -39,36 +38,14 @@ struct RunArguments {
   bool no_analysis = false;
 };
 
-/// A JSON option: a file's name, or the JSON itself when it begins with a brace. Empty: null.
-Result<Json> LoadJson(const std::string& argument) {
-  if (argument.empty()) return Json(nullptr);
-  if (argument.front() == '{') return ParseJson(argument);
-  DRUPE_ASSIGN_OR_RETURN(const std::string text, ReadFile(argument, kMaxJsonFileBytes));
-  Result<Json> json = ParseJson(text, {.max_bytes = kMaxJsonFileBytes});
-  if (json.ok()) return json;
-  return Status(json.status().kind(), json.status().code(), argument + ": " + json.status().message());
-}
-
-Result<std::optional<Board>> LoadBoard(const std::string& argument) {
-  if (argument.empty()) return std::optional<Board>();
-  if (argument == "default") return std::optional<Board>(MakeGridBoard());
-  DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJson(argument));
-  DRUPE_ASSIGN_OR_RETURN(Board board, ParseBoard(json));
-  return std::optional<Board>(std::move(board));
-}
-
 Result<ReconstructionInput> LoadInput(const RunArguments& arguments) {
   ReconstructionInput input;
-  DRUPE_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> paths, ListImages(arguments.images, input.limits));
-  for (const std::filesystem::path& path : paths) {
-    const std::size_t max_bytes = input.limits.max_image_bytes;
-    input.images.push_back({path.filename().string(), [path, max_bytes] { return ReadFile(path, max_bytes); }});
-  }
+  DRUPE_ASSIGN_OR_RETURN(input.images, LoadSourceImages(arguments.images, input.limits));
   if (!arguments.calibration.empty()) {
-    DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJson(arguments.calibration));
+    DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJsonArgument(arguments.calibration));
     DRUPE_ASSIGN_OR_RETURN(input.calibration, ParseCalibration(json));
   }
-  DRUPE_ASSIGN_OR_RETURN(input.board, LoadBoard(arguments.board));
+  DRUPE_ASSIGN_OR_RETURN(input.board, LoadBoardArgument(arguments.board));
   return input;
 }
 
@@ -100,9 +77,9 @@ struct RunRequest {
 Result<RunRequest> LoadRequest(const RunArguments& arguments) {
   RunRequest request;
   DRUPE_ASSIGN_OR_RETURN(request.input, LoadInput(arguments));
-  DRUPE_ASSIGN_OR_RETURN(const Json options, LoadJson(arguments.options));
+  DRUPE_ASSIGN_OR_RETURN(const Json options, LoadJsonArgument(arguments.options));
   DRUPE_ASSIGN_OR_RETURN(request.options, ParseReconstructionOptions(options));
-  DRUPE_ASSIGN_OR_RETURN(const Json analysis_options, LoadJson(arguments.analysis_options));
+  DRUPE_ASSIGN_OR_RETURN(const Json analysis_options, LoadJsonArgument(arguments.analysis_options));
   DRUPE_ASSIGN_OR_RETURN(request.analysis_options, ParseAnalysisOptions(analysis_options));
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);

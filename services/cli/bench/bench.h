@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "base/status.h"
+
+namespace CLI {
+class App;
+}
+
+namespace drupe {
+
+/// `drupe bench NAME ...`: each function adds one measurement to the command `bench`; it prints a table of figures and
+/// leaves its result in `exit_code` (0 done, 1 the work failed). Files are named bench_<name>.cpp.
+
+/// Prints the message of a failed bench to stderr; the exit code for it.
+int BenchExitCode(const Status& status);
+
+}  // namespace drupe
