@@ -18,6 +18,7 @@ namespace {
 /// What the user may set beyond the options of every service.
 struct Settings {
   std::string analysis_url = "http://127.0.0.1:8083";
+  std::string public_analysis_url;
   int workers = 1;
   int threads = 0;
   double drain_s = 20;
@@ -97,8 +98,10 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   DRUPE_ASSIGN_OR_RETURN(const Client analysis, Client::Create(settings.analysis_url));
   Workers workers(stores, settings, options.limits, analysis);
   if (options.role != Role::kWorker) {
+    const std::string& report_url =
+        settings.public_analysis_url.empty() ? settings.analysis_url : settings.public_analysis_url;
     const RouteContext context{
-        *stores.objects, *stores.jobs, *stores.sets, options.limits, {options.public_url, settings.analysis_url}};
+        *stores.objects, *stores.jobs, *stores.sets, options.limits, {options.public_url, report_url}};
     AddReconstructionRoutes(service.router(), context);
     AddImageSetRoutes(service.router(), context);
   }
@@ -119,6 +122,8 @@ int main(int argc, char** argv) {
                          "Rebuilds small fruit in 3D from image sets: cameras, sparse and dense points.");
   drupe::Settings settings;
   service.AddOption("--analysis-url", settings.analysis_url, "service that makes reports of finished reconstructions");
+  service.AddOption("--public-analysis-url", settings.public_analysis_url,
+                    "where users reach that service, for the link to the report; empty: --analysis-url");
   service.AddOption("--workers", settings.workers, "reconstructions at once");
   service.AddOption("--threads", settings.threads, "threads of a reconstruction, 0 for one per core");
   service.AddOption("--drain-s", settings.drain_s, "seconds that running jobs are given when the service stops");

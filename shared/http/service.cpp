@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/version.h"
-#include "http/openapi_text.h"
+#include "http/contract_text.h"
 #include "http/service_options.h"
 
 namespace drupe {
@@ -127,6 +127,9 @@ void Service::Impl::AddCommonRoutes() {
   });
   router().Add("GET", "/openapi.yaml", reserved, [](const Request&, Response& response) {
     response.SetText(std::string(kOpenApiText), "application/yaml");
+  });
+  router().Add("GET", "/schemas/report.schema.json", reserved, [](const Request&, Response& response) {
+    response.SetText(std::string(kReportSchemaText), "application/schema+json");
   });
 }
 

@@ -29,7 +29,7 @@ struct ServiceOptions {
 };
 
 /// The frame of a service's main(): options (command line, then environment DRUPE_..., then --config FILE), JSON log,
-/// /healthz, /readyz, /metrics, /openapi.yaml, and draining on SIGTERM and SIGINT.
+/// /healthz, /readyz, /metrics, /openapi.yaml, /schemas/report.schema.json, and draining on SIGTERM and SIGINT.
 ///
 ///   int main(int argc, char** argv) {
 ///     Service service("drupe-analysis", 8083, "Finds and measures defects.");

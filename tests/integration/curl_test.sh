@@ -69,7 +69,7 @@ deploy/up --data "$work/data" --preset "$preset" >"$work/up.log" 2>&1 || { cat "
 
 # Health, readiness, metrics and the contract of every service.
 for url in "$capture" "$reconstruction" "$analysis"; do
-  for path in healthz readyz metrics openapi.yaml; do
+  for path in healthz readyz metrics openapi.yaml schemas/report.schema.json; do
     send "$url/$path"
     check "GET /$path" 200 "$status"
   done
@@ -147,6 +147,23 @@ refuse "an option out of range" 400 invalid_option "${three[@]}" -F 'options={"d
 refuse "a name that climbs" 400 invalid_name "${two[@]}" -F "images=@$sample/images/02.jpg;filename=../../x.jpg" "$post"
 refuse "chunked" 411 length_required -H 'Transfer-Encoding: chunked' -H 'Content-Type: application/json' -d '{}' "$post"
 refuse "compressed" 415 unsupported_encoding -H 'Content-Encoding: gzip' -H 'Content-Type: application/json' -d '{}' "$post"
+refuse "no pictures" 400 too_few_images -F "calibration=<$sample/calibration.json" "$post"
+: >"$work/empty.jpg"
+refuse "an empty file" 422 bad_image "${two[@]}" -F "images=@$work/empty.jpg" "$post"
+refuse "a picture twice" 400 duplicate_name "${three[@]}" -F "images=@$sample/images/02.jpg" "$post"
+refuse "an unknown part" 400 unknown_part "${three[@]}" -F 'calibratoin={}' "$post"
+refuse "JSON that ends early" 400 invalid_json "${three[@]}" -F 'calibration={"width": 1280' "$post"
+refuse "a calibration without a camera matrix" 400 invalid_calibration "${three[@]}" -F 'calibration={"width": 1280, "height": 720}' "$post"
+sed 's/1280/1920/; s/720/1080/' "$sample/calibration.json" >"$work/other_size.json"
+refuse "a calibration of another size" 422 calibration_size_mismatch "${three[@]}" -F "calibration=<$work/other_size.json" "$post"
+refuse "a board without markers" 400 invalid_board "${three[@]}" -F 'board={"dictionary": "DICT_4X4_250"}' "$post"
+refuse "an option of the wrong type" 400 invalid_option "${three[@]}" -F 'options={"dense": {"level": "high"}}' "$post"
+refuse "neither multipart nor JSON" 415 unsupported_media_type -H 'Content-Type: text/plain' -d 'hello' "$post"
+refuse "a multipart body that is cut" 400 invalid_multipart -H 'Content-Type: multipart/form-data; boundary=x' -d '--x' "$post"
+refuse "a method that the route has not" 405 method_not_allowed -X PATCH "$post"
+refuse "an unknown image set" 404 image_set_not_found -H 'Content-Type: application/json' -d '{"image_set": "set_aaaaaaaaaaaaaaaaaaaa"}' "$post"
+refuse "a key with another request" 409 idempotency_key_reused -H 'Idempotency-Key: curl-1' "${images[@]}" "$post"
+refuse "a cancel after the end" 409 job_finished -X DELETE "$reconstruction/reconstructions/$id"
 refuse "an unknown reconstruction" 404 job_not_found "$reconstruction/reconstructions/rec_none"
 refuse "an unknown report" 404 report_not_found "$analysis/reports/rec_none"
 

@@ -58,6 +58,8 @@ class OpenApiTest(DrupeTest):
             for path in ("/healthz", "/readyz", "/metrics"):
                 self.call(service, "GET", path, expect=200)
             self.assertEqual(self.call(service, "GET", "/openapi.yaml", expect=200).body.decode(), self.contract.text)
+            schema = self.call(service, "GET", "/schemas/report.schema.json", expect=200).json()
+            self.assertEqual(schema, json.loads((contract.API / "schemas/report.schema.json").read_text()))
 
     def test_3_reconstruction_and_report(self):
         accepted = self.post_parts("reconstruction", "/reconstruct", sample_parts(sample_images(12), QUICK_OPTIONS), 202)
