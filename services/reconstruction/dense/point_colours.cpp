@@ -122,11 +122,15 @@ SurfaceElement ElementAt(const PointCloud& cloud, std::size_t i) {
   return {cloud.positions[i].cast<double>(), cloud.normals[i].cast<double>()};
 }
 
+/// The board has one normal and colours of its own, which would pass for the shading of that normal: only what stands
+/// above it counts. World: the board's frame.
 ShadingModel FitShading(const LevelContext& context, const std::vector<PatchMap>& maps, const std::vector<int>& owners,
                         const PointCloud& cloud) {
+  const double min_height = context.scene->options->min_height_mm;
   std::vector<ShadingSample> samples;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / kShadingPoints);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
+    if (cloud.positions[i].z() < min_height) continue;
     const Looks looks = CollectLooks(context, maps, owners[i], cloud.view_counts[i] > 1, ElementAt(cloud, i));
     for (int k = 0; k < looks.count; ++k) samples.push_back({looks.items[k].normal_in_cam, looks.items[k].log_colour});
   }
