@@ -10,6 +10,7 @@
 #include "base/limits.h"
 #include "base/run_context.h"
 #include "base/status.h"
+#include "reconstruction/derived_cache.h"
 #include "reconstruction/pipeline_options.h"
 #include "scene/board.h"
 #include "scene/calibration.h"
@@ -24,6 +25,7 @@ namespace drupe {
 struct SourceImage {
   std::string name;
   std::function<Result<std::string>()> read;
+  std::string sha256 = "";  ///< of the file's bytes; empty: unknown, and nothing of it is looked for in a cache
 };
 
 struct ReconstructionInput {
@@ -31,6 +33,7 @@ struct ReconstructionInput {
   std::optional<Calibration> calibration;  ///< nothing: estimated from EXIF or the picture's size, and refined
   std::optional<Board> board;              ///< nothing: no metric scale
   Limits limits;
+  DerivedCache* cache = nullptr;  ///< what is known of the pictures already; may be null; outlives the run
 };
 
 /// A picture that was left out, and why.

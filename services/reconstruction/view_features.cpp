@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "image/decode.h"
+#include "reconstruction/picture_features.h"
 
 namespace drupe {
 
@@ -17,8 +18,7 @@ namespace {
 struct OneView {
   Status status;
   ImageInfo info;
-  Features features;
-  BoardDetection detection;
+  PictureFeatures found;
 };
 
 using Size = std::pair<int, int>;
@@ -69,13 +69,7 @@ void RefuseOtherSizes(const Size& size, std::vector<OneView>& views) {
 
 Status Process(const SourceImage& source, const ReconstructionInput& input, const ReconstructionOptions& options,
                const RunContext& context, OneView& view) {
-  DRUPE_ASSIGN_OR_RETURN(const std::string bytes, source.read());
-  DRUPE_ASSIGN_OR_RETURN(const GrayImage gray, DecodeGray(bytes, input.limits));
-  DRUPE_ASSIGN_OR_RETURN(view.features, RunFeatures(gray, options.features, context));
-  if (!input.board) return Status::Ok();
-  BoardDetectorOptions board_options = options.board;
-  if (input.calibration) board_options.camera = input.calibration->camera;
-  DRUPE_ASSIGN_OR_RETURN(view.detection, DetectBoard(gray, *input.board, board_options));
+  DRUPE_ASSIGN_OR_RETURN(view.found, FindPictureFeatures(source, input, options, context));
   return Status::Ok();
 }
 
@@ -97,8 +91,8 @@ ViewFeatures Collect(const ReconstructionInput& input, const Size& size, std::ve
     }
     result.sources.push_back(static_cast<int>(i));
     result.names.push_back(input.images[i].name);
-    result.features.push_back(std::move(views[i].features));
-    if (input.board) result.detections.push_back(std::move(views[i].detection));
+    result.features.push_back(std::move(views[i].found.features));
+    if (input.board) result.detections.push_back(std::move(views[i].found.detection));
     if (views[i].info.exif_focal_px > 0) focals.push_back(views[i].info.exif_focal_px);
   }
   result.exif_focal_px = Median(std::move(focals));
