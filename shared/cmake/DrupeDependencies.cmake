@@ -8,7 +8,7 @@ find_package(OpenSSL REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(Ceres REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d features2d aruco)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d features2d aruco ml)
 find_package(GTest REQUIRED)
 # httplib: the flags come from pkg-config alone, because its feature macros change class layouts (Debian ships it split
 # into a header and a library).

@@ -229,6 +229,16 @@ void ReadScalars(const VertexReader& reader, const char* name, std::size_t count
   reader.ForEach(name, [&](std::size_t i, double value) { (*values)[i] = static_cast<float>(value); });
 }
 
+/// The header of a file that holds all of its vertices.
+Result<Header> ReadHeader(std::string_view bytes, const PlyLimits& limits) {
+  DRUPE_ASSIGN_OR_RETURN(Header header, HeaderParser(limits).Parse(bytes));
+  // Both factors are limited, so the product cannot overflow; memory is taken only for what the file really holds.
+  if (bytes.size() - header.data_begin < static_cast<std::size_t>(header.count) * header.vertex_bytes) {
+    return BadPly("the file ends before its vertices");
+  }
+  return header;
+}
+
 /// Raw bytes of `value` at the end of `out`.
 template <typename T>
 void Put(const T* values, std::size_t count, std::string* out) {
@@ -240,6 +250,8 @@ std::string HeaderOf(const PointCloud& cloud) {
                        std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (!cloud.normals.empty()) header += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!cloud.colours.empty()) header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (!cloud.raw_colours.empty())
+    header += "property uchar raw_red\nproperty uchar raw_green\nproperty uchar raw_blue\n";
   if (!cloud.view_counts.empty()) header += "property uchar views\n";
   if (!cloud.ncc.empty()) header += "property float ncc\n";
   if (!cloud.expected_error.empty()) header += "property float expected_error\n";
@@ -249,13 +261,14 @@ std::string HeaderOf(const PointCloud& cloud) {
 }  // namespace
 
 std::string WritePly(const PointCloud& cloud) {
-  constexpr std::size_t kLargestVertex = 36;
+  constexpr std::size_t kLargestVertex = 39;
   std::string out = HeaderOf(cloud);
   out.reserve(out.size() + kLargestVertex * cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     Put(cloud.positions[i].data(), 3, &out);
     if (!cloud.normals.empty()) Put(cloud.normals[i].data(), 3, &out);
     if (!cloud.colours.empty()) Put(cloud.colours[i].data(), 3, &out);
+    if (!cloud.raw_colours.empty()) Put(cloud.raw_colours[i].data(), 3, &out);
     if (!cloud.view_counts.empty()) Put(&cloud.view_counts[i], 1, &out);
     if (!cloud.ncc.empty()) Put(&cloud.ncc[i], 1, &out);
     if (!cloud.expected_error.empty()) Put(&cloud.expected_error[i], 1, &out);
@@ -264,11 +277,8 @@ std::string WritePly(const PointCloud& cloud) {
 }
 
 Result<PointCloud> ReadPly(std::string_view bytes, const PlyLimits& limits) {
-  DRUPE_ASSIGN_OR_RETURN(const Header header, HeaderParser(limits).Parse(bytes));
+  DRUPE_ASSIGN_OR_RETURN(const Header header, ReadHeader(bytes, limits));
   const auto count = static_cast<std::size_t>(header.count);
-  // Both factors are limited, so the product cannot overflow; memory is taken only for what the file really holds.
-  if (bytes.size() - header.data_begin < count * header.vertex_bytes)
-    return BadPly("the file ends before its vertices");
   const VertexReader reader(header, bytes);
   if (!reader.Has("x") || !reader.Has("y") || !reader.Has("z")) return BadPly("x, y or z is missing");
   PointCloud cloud;
@@ -278,6 +288,7 @@ Result<PointCloud> ReadPly(std::string_view bytes, const PlyLimits& limits) {
   }
   ReadTriple(reader, {"nx", "ny", "nz"}, count, &cloud.normals);
   ReadTriple(reader, {"red", "green", "blue"}, count, &cloud.colours);
+  ReadTriple(reader, {"raw_red", "raw_green", "raw_blue"}, count, &cloud.raw_colours);
   ReadScalars(reader, "ncc", count, &cloud.ncc);
   ReadScalars(reader, "expected_error", count, &cloud.expected_error);
   std::vector<float> views;
@@ -286,6 +297,13 @@ Result<PointCloud> ReadPly(std::string_view bytes, const PlyLimits& limits) {
     cloud.view_counts.push_back(value >= 0 && value <= 255 ? static_cast<std::uint8_t>(value) : 0);
   }
   return cloud;
+}
+
+Result<std::vector<float>> ReadPlyScalar(std::string_view bytes, const char* property, const PlyLimits& limits) {
+  DRUPE_ASSIGN_OR_RETURN(const Header header, ReadHeader(bytes, limits));
+  std::vector<float> values;
+  ReadScalars(VertexReader(header, bytes), property, static_cast<std::size_t>(header.count), &values);
+  return values;
 }
 
 }  // namespace drupe
