@@ -69,8 +69,7 @@ Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClu
   DRUPE_ASSIGN_OR_RETURN(graph.is_static, StaticOrNone(features, options, context));
   std::vector<PreparedPicture> pictures(features.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t i) {
-    pictures[i] =
-        PreparedPicture(features[i], graph.is_static[i], camera, options.exhaustive_features, 8 * options.max_error_px);
+    pictures[i] = PreparedPicture(features[i], graph.is_static[i], camera, options.exhaustive_features);
   }));
   std::vector<std::optional<TwoViewMatches>> matched(clusters.pairs.size());
   const double focal_px = 0.5 * (camera.fx + camera.fy);

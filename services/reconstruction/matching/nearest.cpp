@@ -79,13 +79,4 @@ std::vector<Nearest> FindNearest(const PackedDescriptors& from, std::span<const 
   return nearest;
 }
 
-std::int32_t SquaredDistance(const std::uint8_t* a, const std::uint8_t* b) {
-  std::int32_t sum = 0;
-  for (int k = 0; k < kDimension; ++k) {
-    const std::int32_t difference = a[k] - b[k];
-    sum += difference * difference;
-  }
-  return sum;
-}
-
 }  // namespace drupe

@@ -5,19 +5,16 @@
 namespace drupe {
 
 PreparedPicture::PreparedPicture(const Features& picture, const std::vector<std::uint8_t>& is_static,
-                                 const PinholeCamera& camera, int exhaustive_features, double grid_cell_px)
+                                 const PinholeCamera& camera, int exhaustive_features)
     : features(&picture) {
-  std::vector<Eigen::Vector2f> grid_places;
   for (std::uint32_t i = 0; i < picture.size(); ++i) {
     if (is_static[i] != 0) continue;
     kept.push_back(i);
     places.push_back(camera.NormalisedFromPixel({picture.keypoints[i].x, picture.keypoints[i].y}));
-    grid_places.push_back(places.back().cast<float>());
   }
   std::size_t packed_count = kept.size();
   if (exhaustive_features > 0) packed_count = std::min<std::size_t>(packed_count, exhaustive_features);
   packed = PackedDescriptors(picture, std::span(kept).first(packed_count));
-  grid = KeypointGrid(grid_places, static_cast<float>(grid_cell_px / camera.fx));
 }
 
 }  // namespace drupe

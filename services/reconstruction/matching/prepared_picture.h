@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "geometry/pinhole_camera.h"
-#include "reconstruction/matching/keypoint_grid.h"
 #include "reconstruction/matching/nearest.h"
 #include "scene/features.h"
 
@@ -15,15 +14,14 @@ namespace drupe {
 struct PreparedPicture {
   PreparedPicture() = default;
   /// Leaves out the keypoints whose entry of `is_static` is not 0; packs the first `exhaustive_features` of the rest
-  /// (all of them when 0). `grid_cell_px` is the side of the grid's cells.
+  /// (all of them when 0).
   PreparedPicture(const Features& picture, const std::vector<std::uint8_t>& is_static, const PinholeCamera& camera,
-                  int exhaustive_features, double grid_cell_px);
+                  int exhaustive_features);
 
   const Features* features = nullptr;
   std::vector<std::uint32_t> kept;      ///< keypoints that take part, ascending
   std::vector<Eigen::Vector2d> places;  ///< of the kept ones: normalised coordinates without distortion
   PackedDescriptors packed;             ///< of the first of the kept ones
-  KeypointGrid grid;                    ///< of the kept ones, over `places`
 
   const std::uint8_t* Descriptor(std::uint32_t i) const { return features->Descriptor(kept[i]); }
 };
