@@ -1,7 +1,10 @@
 #include "reconstruction/pipeline_options.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "base/option_reader.h"
 
@@ -74,6 +77,8 @@ void Visit(Visitor& visit, TrackOptions& o) {
 
 template <typename Visitor>
 void Visit(Visitor& visit, SparseOptions& o) {
+  visit("method", o.method);
+  visit("adjustment", o.adjustment);
   visit("max_reprojection_error_px", o.max_reprojection_error_px);
   visit("min_triangulation_angle_deg", o.min_triangulation_angle_deg);
   visit("feature_loss_px", o.feature_loss_px);
@@ -112,6 +117,21 @@ void VisitSections(Section&& section, ReconstructionOptions& o) {
   section("dense", o.dense);
 }
 
+/// The names of a choice's values in JSON, in the order of the enumeration.
+using ChoiceNames = std::array<const char*, 2>;
+const ChoiceNames& NamesOf(DenseOptions::Scene) {
+  static const ChoiceNames names = {"fruit", "all"};
+  return names;
+}
+const ChoiceNames& NamesOf(SparseMethod) {
+  static const ChoiceNames names = {"clusters", "whole"};
+  return names;
+}
+const ChoiceNames& NamesOf(AdjustmentMethod) {
+  static const ChoiceNames names = {"distributed", "monolithic"};
+  return names;
+}
+
 /// Visitor that fills fields from JSON.
 class FieldReader {
  public:
@@ -129,17 +149,23 @@ class FieldReader {
   }
   void operator()(std::string_view key, std::int64_t& field) { ReadWhole(key, field); }
   void operator()(std::string_view key, std::size_t& field) { ReadWhole(key, field); }
-  void operator()(std::string_view key, DenseOptions::Scene& field) {
-    std::string name = field == DenseOptions::Scene::kAll ? "all" : "fruit";
+  template <typename Choice>
+  requires std::is_enum_v<Choice>
+  void operator()(std::string_view key, Choice& field) {
+    const auto& names = NamesOf(field);
+    std::string name = names[static_cast<std::size_t>(field)];
     reader_.Read(key, name);
-    if (name != "all" && name != "fruit") {
-      scene_error_ =
-          InvalidArgument("invalid_option", reader_.PathOf(key) + " must be \"fruit\" or \"all\"", reader_.PathOf(key));
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) {
+      field = static_cast<Choice>(found - names.begin());
+      return;
     }
-    field = name == "all" ? DenseOptions::Scene::kAll : DenseOptions::Scene::kFruit;
+    const std::string path = reader_.PathOf(key);
+    choice_error_ =
+        InvalidArgument("invalid_option", path + " must be \"" + names[0] + "\" or \"" + names[1] + "\"", path);
   }
 
-  Status Finish() const { return scene_error_.ok() ? reader_.Finish() : scene_error_; }
+  Status Finish() const { return choice_error_.ok() ? reader_.Finish() : choice_error_; }
 
  private:
   template <typename T>
@@ -150,7 +176,7 @@ class FieldReader {
   }
 
   OptionReader reader_;
-  Status scene_error_;
+  Status choice_error_;
 };
 
 /// Visitor that writes fields to JSON.
@@ -165,8 +191,10 @@ class FieldWriter {
   void operator()(std::string_view key, const std::optional<int>& field) {
     if (field) json_[std::string(key)] = *field;
   }
-  void operator()(std::string_view key, const DenseOptions::Scene& field) {
-    json_[std::string(key)] = field == DenseOptions::Scene::kAll ? "all" : "fruit";
+  template <typename Choice>
+  requires std::is_enum_v<Choice>
+  void operator()(std::string_view key, const Choice& field) {
+    json_[std::string(key)] = NamesOf(field)[static_cast<std::size_t>(field)];
   }
 
  private:

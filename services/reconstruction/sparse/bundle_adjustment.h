@@ -7,6 +7,7 @@
 #include "base/run_context.h"
 #include "base/status.h"
 #include "reconstruction/sparse/sfm_state.h"
+#include "reconstruction/sparse/sparse_options.h"
 
 namespace drupe {
 
@@ -19,7 +20,8 @@ struct AdjustmentOptions {
   double board_loss_px = 0.5;
   int max_iterations = 20;
   double function_tolerance = 1e-6;  ///< relative decrease of the cost at which to stop
-  bool refine_intrinsics = false;    ///< focal length, k1, k2; state.camera is replaced
+  bool refine_intrinsics = false;    ///< focal length, k1, k2; state.camera is replaced; always monolithic
+  AdjustmentMethod method = AdjustmentMethod::kDistributed;
 };
 
 /// What an adjustment moves.
@@ -31,13 +33,16 @@ struct AdjustmentScope {
   static AdjustmentScope Everything(const SfmState& state);
 };
 
-/// Bundle adjustment (Ceres, Schur complement, analytic derivatives) of poses, tracks with a position and, in a metric
-/// state, the board's ink spread, against active observations and board corners. The gauge is the board in a metric
-/// state; otherwise the first registered view does not move. Solved on one thread: Ceres adds up in the order in which
-/// its threads finish, and the result must not depend on the thread count. Errors: `cancelled`, 500
-/// `adjustment_failed`. While intrinsics are refined the ink spread stays as it is.
+/// Bundle adjustment of poses, tracks with a position and, in a metric state, the board's ink spread, against active
+/// observations and board corners, by AdjustDistributed or AdjustMonolithic. The gauge is the board in a metric state;
+/// otherwise the first registered view does not move. Errors: `cancelled`, 500 `adjustment_failed`. While intrinsics
+/// are refined the ink spread stays as it is.
 Status AdjustBundle(SfmState& state, const AdjustmentScope& scope, const AdjustmentOptions& options,
                     const RunContext& context);
+
+/// The cost that both methods bring down: half the sum of the losses of active observations and, in a metric state,
+/// board corners.
+double AdjustmentCost(const SfmState& state, const AdjustmentOptions& options);
 
 /// Robust standard deviations (1.4826 times the median absolute deviation, per coordinate) of whitened features and of
 /// board corners, pixels; 0 where there are none.

@@ -30,6 +30,7 @@ AdjustmentOptions AdjustmentFrom(const SparseOptions& options) {
   AdjustmentOptions adjustment;
   adjustment.feature_loss_px = options.feature_loss_px;
   adjustment.board_loss_px = options.board_loss_px;
+  adjustment.method = options.adjustment;
   return adjustment;
 }
 

@@ -54,7 +54,9 @@ Result<int> TryPair(const TwoViewMatches& pair, const SparseOptions& options, co
   const TriangulationOptions triangulation = FirstTriangulation(options);
   DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
   if (CountPositions(state) < kMinTracks) return 0;
-  DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), AdjustmentOptions{}, context));
+  AdjustmentOptions adjustment;
+  adjustment.method = options.adjustment;
+  DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
   DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
   return CountPositions(state);
 }

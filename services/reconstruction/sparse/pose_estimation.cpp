@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "geometry/p3p.h"
+#include "reconstruction/sparse/linearised_observation.h"
 #include "reconstruction/sparse/random_sample.h"
 
 namespace drupe {
@@ -68,15 +69,6 @@ PoseSystem BuildSystem(const Rigid3& pose, std::span<const PointCorrespondence> 
     if (use.empty() || use[i]) AddCorrespondence(pose, all[i], loss2, system);
   }
   return system;
-}
-
-Rigid3 ApplyStep(const Rigid3& pose, const Vector6d& step) {
-  const double angle = step.head<3>().norm();
-  Rigid3 moved = pose;
-  if (angle > 0) moved.rotation = Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix() * pose.rotation;
-  moved.rotation = Eigen::Quaterniond(moved.rotation).normalized().toRotationMatrix();
-  moved.translation += step.tail<3>();
-  return moved;
 }
 
 int NeededIterations(double inlier_share, const PoseEstimationOptions& options) {

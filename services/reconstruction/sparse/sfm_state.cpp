@@ -85,6 +85,26 @@ SfmState MakeSfmState(const SparseInput& input) {
   return state;
 }
 
+void ShareByOrder(int count, SfmState& state) {
+  const std::size_t tracks = state.tracks.size();
+  for (std::size_t t = 0; t < tracks; ++t) state.tracks[t].share = static_cast<std::int32_t>(t * count / tracks);
+}
+
+void ShareByCluster(const std::vector<std::vector<int>>& clusters, SfmState& state) {
+  std::vector<std::vector<int>> clusters_of(state.ViewCount());
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    for (const int view : clusters[c]) clusters_of[view].push_back(static_cast<int>(c));
+  }
+  std::vector<int> votes(clusters.size());
+  for (SfmTrack& track : state.tracks) {
+    std::fill(votes.begin(), votes.end(), 0);
+    for (const SfmObservation& observation : state.ObservationsOf(track)) {
+      for (const int c : clusters_of[observation.view]) ++votes[c];
+    }
+    track.share = static_cast<std::int32_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  }
+}
+
 void Remeasure(SfmState& state) {
   for (SfmObservation& observation : state.observations) {
     observation.measured = Measure(state.camera, observation.measured.pixel);

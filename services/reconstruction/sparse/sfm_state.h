@@ -35,6 +35,7 @@ struct SfmTrack {
   std::size_t begin = 0, end = 0;
   bool has_position = false;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  std::int32_t share = 0;  ///< of the adjustment's work: the tracks with equal numbers are eliminated together
 };
 
 /// A corner of the board seen in a view. The printed marker may be larger or smaller than planned: its corner lies at
@@ -67,6 +68,12 @@ struct SfmState {
     return {observations.data() + track.begin, track.end - track.begin};
   }
 };
+
+/// Deals the tracks out to `count` shares of about equal size, neighbours in the list together.
+void ShareByOrder(int count, SfmState& state);
+
+/// Gives every track to the cluster (view indices, ascending) that has most of its views, the first of equals.
+void ShareByCluster(const std::vector<std::vector<int>>& clusters, SfmState& state);
 
 /// Undistorts every measurement once and lays tracks and board corners out for the stages.
 SfmState MakeSfmState(const SparseInput& input);

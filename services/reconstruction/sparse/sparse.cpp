@@ -17,6 +17,8 @@ namespace {
 
 /// From this share of the views on, the board alone places the first ones; below, features begin and the board joins.
 constexpr double kBoardFirstShare = 0.6;
+/// Parts into which the adjustment of an undivided model is dealt, for threads to work on.
+constexpr int kSharesOfAWhole = 8;
 
 Status CheckSizes(const SparseInput& input) {
   const std::size_t views = input.image_names.size();
@@ -92,6 +94,7 @@ Result<SparseModel> RunSparse(const SparseInput& input, const SparseOptions& opt
   DRUPE_RETURN_IF_ERROR(CheckSizes(input));
   context.Report("sparse", 0);
   SfmState state = MakeSfmState(input);
+  ShareByOrder(kSharesOfAWhole, state);
   ImproveGuess(input, options, state);
   DRUPE_RETURN_IF_ERROR(PlaceViews(input, options, context, state));
   DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));

@@ -4,8 +4,16 @@
 
 namespace drupe {
 
+/// How the model of a set of several clusters is built: each cluster on its own, then fused (paper 3.1.2), or all views
+/// in one.
+enum class SparseMethod { kClusters, kWhole };
+/// How adjustments are solved: by exact block elimination distributed over the clusters, or as one problem by Ceres.
+enum class AdjustmentMethod { kDistributed, kMonolithic };
+
 /// Options of incremental structure from motion.
 struct SparseOptions {
+  SparseMethod method = SparseMethod::kClusters;
+  AdjustmentMethod adjustment = AdjustmentMethod::kDistributed;
   /// An observation farther than this from its track's projection is dropped, pixels of the full picture.
   double max_reprojection_error_px = 4.0;
   /// A track whose widest pair of rays meets at less than this is dropped, degrees.

@@ -1,0 +1,116 @@
+#include "reconstruction/sparse/distributed_adjustment.h"
+
+#include <gtest/gtest.h>
+
+#include "reconstruction/sparse/adjustment_layout.h"
+#include "reconstruction/sparse/linearised_observation.h"
+#include "reconstruction/sparse/monolithic_adjustment.h"
+#include "reconstruction/sparse/synthetic_scene.h"
+#include "reconstruction/sparse/track_triangulation.h"
+
+namespace drupe {
+namespace {
+
+/// Arcs of eight views of a ring of 24, each of which shares two with the next.
+const std::vector<std::vector<int>> kArcs = {{0, 1, 2, 3, 4, 5, 6, 7},
+                                             {6, 7, 8, 9, 10, 11, 12, 13},
+                                             {12, 13, 14, 15, 16, 17, 18, 19},
+                                             {0, 1, 18, 19, 20, 21, 22, 23}};
+
+/// The ring with poses a little off the truth and tracks triangulated from them.
+SfmState Disturbed(const SyntheticScene& scene, bool is_metric) {
+  SfmState state = MakeSfmState(scene.Input(is_metric));
+  for (int v = 0; v < state.ViewCount(); ++v) {
+    PoseStep step = PoseStep::Zero();
+    for (int k = 0; k < 3; ++k) step[k] = 2e-4 * std::sin(7 * v + k), step[k + 3] = 0.05 * std::cos(5 * v + k);
+    state.poses[v] = ApplyStep(scene.poses[v], step);
+  }
+  state.is_metric = is_metric;
+  EXPECT_TRUE(UpdateTracks(state, TriangulationOptions{}, RunContext{}).ok());
+  return state;
+}
+
+AdjustmentOptions Thorough() {
+  AdjustmentOptions options;
+  options.max_iterations = 50;
+  options.function_tolerance = 1e-9;
+  return options;
+}
+
+TEST(DistributedAdjustmentTest, ReachesTheCostOfTheUndividedProblem) {
+  for (const bool is_metric : {true, false}) {
+    const SyntheticScene scene;
+    SfmState distributed = Disturbed(scene, is_metric);
+    ShareByCluster(kArcs, distributed);
+    SfmState monolithic = distributed;
+    const double before = AdjustmentCost(distributed, Thorough());
+    const AdjustmentScope all = AdjustmentScope::Everything(distributed);
+    ASSERT_TRUE(AdjustDistributed(distributed, all, Thorough(), RunContext{}).ok());
+    ASSERT_TRUE(AdjustMonolithic(monolithic, all, Thorough(), RunContext{}).ok());
+    const double cost = AdjustmentCost(distributed, Thorough()), expected = AdjustmentCost(monolithic, Thorough());
+    EXPECT_LT(expected, 0.9 * before);
+    EXPECT_NEAR(cost, expected, 1e-3 * expected) << (is_metric ? "with" : "without") << " a board";
+    EXPECT_NEAR(distributed.ink_spread_mm, monolithic.ink_spread_mm, 1e-4);
+  }
+}
+
+TEST(DistributedAdjustmentTest, SharesKeepTheirInnerViewsToThemselves) {
+  SfmState state = Disturbed(SyntheticScene{}, true);
+  // Without what reaches from arc to arc, the views between the shared ones are nobody else's.
+  ShareByCluster(kArcs, state);
+  for (SfmObservation& o : state.observations) {
+    const std::vector<int>& arc = kArcs[state.tracks[o.track].share];
+    o.is_active = o.is_active && std::binary_search(arc.begin(), arc.end(), o.view);
+  }
+  const AdjustmentLayout layout = LayOut(state, AdjustmentScope::Everything(state), false);
+  ASSERT_EQ(layout.shares.size(), 4u);
+  EXPECT_EQ(layout.shared_views, (std::vector<int>{0, 1, 6, 7, 12, 13, 18, 19}));
+  std::vector<int> holders(state.ViewCount(), 0);
+  for (const TrackShare& share : layout.shares) {
+    EXPECT_EQ(share.inner_count, 4);
+    for (const int v : share.board_views) ++holders[v];
+  }
+  EXPECT_EQ(holders, std::vector<int>(state.ViewCount(), 1));
+  SfmState whole = state;
+  ShareByOrder(1, whole);
+  const AdjustmentScope all = AdjustmentScope::Everything(state);
+  ASSERT_TRUE(AdjustDistributed(state, all, Thorough(), RunContext{}).ok());
+  ASSERT_TRUE(AdjustDistributed(whole, all, Thorough(), RunContext{}).ok());
+  EXPECT_NEAR(AdjustmentCost(state, Thorough()) / AdjustmentCost(whole, Thorough()), 1, 1e-6);
+  EXPECT_LT((state.poses[9]->translation - whole.poses[9]->translation).norm(), 1e-4);
+}
+
+TEST(DistributedAdjustmentTest, ThreadsDoNotChangeTheResult) {
+  SfmState one = Disturbed(SyntheticScene{}, true);
+  ShareByCluster(kArcs, one);
+  SfmState three = one;
+  RunContext one_thread, three_threads;
+  one_thread.threads = 1, three_threads.threads = 3;
+  const AdjustmentScope all = AdjustmentScope::Everything(one);
+  ASSERT_TRUE(AdjustDistributed(one, all, {}, one_thread).ok());
+  ASSERT_TRUE(AdjustDistributed(three, all, {}, three_threads).ok());
+  EXPECT_EQ(one.poses[11]->translation, three.poses[11]->translation);
+  EXPECT_EQ(one.tracks[3].position, three.tracks[3].position);
+}
+
+TEST(DistributedAdjustmentTest, ViewsOutsideTheScopeStay) {
+  SfmState state = Disturbed(SyntheticScene{}, false);
+  const SfmState before = state;
+  AdjustmentScope scope;
+  scope.view_moves.assign(state.ViewCount(), 0);
+  scope.view_moves[4] = scope.view_moves[5] = 1;
+  ASSERT_TRUE(AdjustDistributed(state, scope, {}, RunContext{}).ok());
+  EXPECT_EQ(state.poses[8]->translation, before.poses[8]->translation);
+  EXPECT_NE(state.poses[5]->translation, before.poses[5]->translation);
+  EXPECT_LT(AdjustmentCost(state, {}), AdjustmentCost(before, {}));
+}
+
+TEST(DistributedAdjustmentTest, StopsWhenCancelled) {
+  SfmState state = Disturbed(SyntheticScene{}, false);
+  RunContext context;
+  context.cancelled = [] { return true; };
+  EXPECT_EQ(AdjustDistributed(state, AdjustmentScope::Everything(state), {}, context).kind(), StatusKind::kCancelled);
+}
+
+}  // namespace
+}  // namespace drupe
