@@ -9,6 +9,7 @@
 #include "reconstruction/sparse/sparse.h"
 #include "reconstruction/view_features.h"
 #include "scene/cameras_json.h"
+#include "scene/colmap_export.h"
 #include "scene/ply.h"
 #include "scene/sparse_export.h"
 

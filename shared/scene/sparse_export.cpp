@@ -6,76 +6,9 @@
 #include <vector>
 
 #include "scene/text_writer.h"
-#include "scene/zip_writer.h"
 
 namespace drupe {
 namespace {
-
-constexpr double kColmapPixelCentre = 0.5;  // COLMAP's first pixel has its centre at (0.5, 0.5), ours at (0, 0)
-
-/// COLMAP's OPENCV model, or FULL_OPENCV where the third radial coefficient is needed.
-std::string ColmapCameras(const PinholeCamera& camera) {
-  const bool is_full = camera.dist[4] != 0;
-  TextWriter text;
-  text.Add("1").Add(is_full ? "FULL_OPENCV" : "OPENCV").Add(camera.width).Add(camera.height);
-  text.Add(camera.fx).Add(camera.fy).Add(camera.cx + kColmapPixelCentre).Add(camera.cy + kColmapPixelCentre);
-  for (int i = 0; i < 4; ++i) text.Add(camera.dist[i]);
-  if (is_full) text.Add(camera.dist[4]).Add(0).Add(0).Add(0);
-  return text.EndLine().Take();
-}
-
-/// One observation of a track, by view.
-struct SeenTrack {
-  std::size_t track;
-  Eigen::Vector2f pixel;
-};
-
-/// Per view what it sees, in the order of the tracks: the numbering that images.txt and points3D.txt share.
-std::vector<std::vector<SeenTrack>> TracksByView(const SparseModel& model) {
-  std::vector<std::vector<SeenTrack>> seen(model.views.size());
-  for (std::size_t t = 0; t < model.tracks.size(); ++t) {
-    for (const Observation& observation : model.tracks[t].observations) {
-      seen[observation.view].push_back({t, observation.pixel});
-    }
-  }
-  return seen;
-}
-
-/// Ids count from 1.
-std::string ColmapImages(const SparseModel& model) {
-  const auto seen = TracksByView(model);
-  TextWriter text;
-  for (std::size_t v = 0; v < model.views.size(); ++v) {
-    const View& view = model.views[v];
-    if (!view.cam_from_world) continue;
-    const Eigen::Quaterniond q(view.cam_from_world->rotation);
-    const Eigen::Vector3d& t = view.cam_from_world->translation;
-    text.Add(v + 1).Add(q.w()).Add(q.x()).Add(q.y()).Add(q.z()).Add(t.x()).Add(t.y()).Add(t.z());
-    text.Add(1).Add(view.image).EndLine();
-    for (const SeenTrack& point : seen[v]) {
-      text.Add(point.pixel.x() + static_cast<float>(kColmapPixelCentre));
-      text.Add(point.pixel.y() + static_cast<float>(kColmapPixelCentre)).Add(point.track + 1);
-    }
-    text.EndLine();
-  }
-  return text.Take();
-}
-
-std::string ColmapPoints(const SparseModel& model) {
-  std::vector<std::size_t> next_index(model.views.size(), 0);
-  TextWriter text;
-  for (std::size_t t = 0; t < model.tracks.size(); ++t) {
-    const Track& track = model.tracks[t];
-    text.Add(t + 1).Add(track.position.x()).Add(track.position.y()).Add(track.position.z());
-    for (int c = 0; c < 3; ++c) text.Add(static_cast<int>(track.colour[c]));
-    text.Add(track.mean_reprojection_error_px);
-    for (const Observation& observation : track.observations) {
-      text.Add(observation.view + 1).Add(next_index[observation.view]++);
-    }
-    text.EndLine();
-  }
-  return text.Take();
-}
 
 /// Numbers of the registered views in the NVM file, -1 for others.
 std::vector<int> RegisteredNumbers(const SparseModel& model) {
@@ -125,12 +58,6 @@ std::string SparsePly(const SparseModel& model) {
     ply.append(vertex, kVertexBytes);
   }
   return ply;
-}
-
-Result<std::string> ColmapZip(const SparseModel& model) {
-  return WriteZip({{"cameras.txt", ColmapCameras(model.camera)},
-                   {"images.txt", ColmapImages(model)},
-                   {"points3D.txt", ColmapPoints(model)}});
 }
 
 std::string Nvm(const SparseModel& model) {
