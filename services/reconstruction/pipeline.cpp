@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "image/decode.h"
+#include "reconstruction/clusters/verified_clusters.h"
 #include "reconstruction/sparse/sparse.h"
 #include "reconstruction/view_features.h"
 #include "scene/cameras_json.h"
@@ -52,9 +53,19 @@ auto Timed(const char* name, const RunContext& context, Timings& timings, const 
   return result;
 }
 
+/// Verified pairs, without those that contradict the others.
+Result<MatchGraph> MatchConsistently(const ViewFeatures& views, const ViewClusters& clusters,
+                                     const PinholeCamera& camera, const MatchingOptions& matching,
+                                     const CycleOptions& cycles, const RunContext& context) {
+  DRUPE_ASSIGN_OR_RETURN(MatchGraph graph, RunMatching(views.features, clusters, camera, matching, context));
+  const int image_count = static_cast<int>(views.features.size());
+  DRUPE_RETURN_IF_ERROR(DropInconsistentPairs(image_count, cycles, graph).status());
+  return graph;
+}
+
 /// Features to tracks: what sparse reconstruction needs of the pictures.
 struct Correspondences {
-  ViewClusters clusters;
+  ViewClusters clusters;  ///< first by likeness, for matching; then by verified matches, for reconstruction
   MatchGraph matches;
   TrackList tracks;
 };
@@ -71,8 +82,11 @@ Result<Correspondences> FindCorrespondences(const ViewFeatures& views, const Sta
   MatchingOptions matching = options.matching;
   if (start.source != IntrinsicsSource::kGiven) matching.max_error_px *= kUnknownLensTolerance;
   DRUPE_ASSIGN_OR_RETURN(result.matches, Timed("matching", context, timings, [&] {
-                           return RunMatching(views.features, result.clusters, start.camera, matching, context);
+                           return MatchConsistently(views, result.clusters, start.camera, matching, options.cycles,
+                                                    context);
                          }));
+  const int image_count = static_cast<int>(views.features.size());
+  DRUPE_ASSIGN_OR_RETURN(result.clusters, ClusterVerified(image_count, result.matches, options.clusters));
   DRUPE_ASSIGN_OR_RETURN(result.tracks, Timed("tracks", context, timings, [&] {
                            return RunTracks(result.matches, views.features, options.tracks, context);
                          }));

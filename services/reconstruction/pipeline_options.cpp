@@ -71,6 +71,12 @@ void Visit(Visitor& visit, MatchingOptions& o) {
 }
 
 template <typename Visitor>
+void Visit(Visitor& visit, CycleOptions& o) {
+  visit("max_rotation_deg", o.max_rotation_deg);
+  visit("max_direction_deg", o.max_direction_deg);
+}
+
+template <typename Visitor>
 void Visit(Visitor& visit, TrackOptions& o) {
   visit("min_length", o.min_length);
 }
@@ -112,6 +118,7 @@ void VisitSections(Section&& section, ReconstructionOptions& o) {
   section("similarity", o.similarity);
   section("clusters", o.clusters);
   section("matching", o.matching);
+  section("cycles", o.cycles);
   section("tracks", o.tracks);
   section("sparse", o.sparse);
   section("dense", o.dense);

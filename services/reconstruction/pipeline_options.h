@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "reconstruction/board/board_detector.h"
 #include "reconstruction/clusters/clusters.h"
+#include "reconstruction/clusters/cycle_consistency.h"
 #include "reconstruction/dense/dense.h"
 #include "reconstruction/features/features.h"
 #include "reconstruction/matching/matching.h"
@@ -21,6 +22,7 @@ struct ReconstructionOptions {
   SimilarityOptions similarity;
   ViewClusterOptions clusters;
   MatchingOptions matching;
+  CycleOptions cycles;
   TrackOptions tracks;
   SparseOptions sparse;
   DenseOptions dense;

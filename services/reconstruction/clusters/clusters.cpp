@@ -26,33 +26,6 @@ Status CheckGraph(const SimilarityGraph& graph) {
   return Status::Ok();
 }
 
-/// Cut until no group has more than `max_size` images, in the order of their first images.
-std::vector<std::vector<int>> Divide(const SimilarityGraph& graph, int max_size) {
-  std::vector<int> all(graph.image_count);
-  std::iota(all.begin(), all.end(), 0);
-  std::vector<std::vector<int>> waiting = {all}, done;
-  while (!waiting.empty()) {
-    std::vector<int> group = std::move(waiting.back());
-    waiting.pop_back();
-    if (static_cast<int>(group.size()) <= max_size) {
-      done.push_back(std::move(group));
-      continue;
-    }
-    auto [left, right] = NormalisedCut(graph, group);
-    waiting.push_back(std::move(left));
-    waiting.push_back(std::move(right));
-  }
-  std::sort(done.begin(), done.end());
-  return done;
-}
-
-/// The size to cut down to. What a cluster takes in from its neighbours and what they take in from it both count as
-/// overlap, so half the overlap has to be taken in.
-int CoreSize(const ViewClusterOptions& options) {
-  const double core = options.max_cluster_size * (1 - 0.5 * options.min_overlap);
-  return std::max(2, static_cast<int>(core));
-}
-
 void AddPairsInside(const std::vector<int>& cluster, PairSet& pairs) {
   for (std::size_t i = 0; i < cluster.size(); ++i) {
     for (std::size_t j = i + 1; j < cluster.size(); ++j) pairs.emplace(cluster[i], cluster[j]);
@@ -86,6 +59,11 @@ void AddSequence(int image_count, int window, PairSet& pairs) {
 
 }  // namespace
 
+int CoreSizeOf(const ViewClusterOptions& options) {
+  const double core = options.max_cluster_size * (1 - 0.5 * options.min_overlap);
+  return std::max(2, static_cast<int>(core));
+}
+
 Status ViewClusterOptions::Check() const {
   DRUPE_RETURN_IF_ERROR(CheckRange(max_cluster_size >= 3 && max_cluster_size <= 1000, "max_cluster_size", "3 to 1000"));
   DRUPE_RETURN_IF_ERROR(CheckRange(min_overlap >= 0 && min_overlap <= 1, "min_overlap", "0 to 1"));
@@ -101,7 +79,9 @@ Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ViewCluster
   DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
   const bool is_small = graph.image_count <= std::max(options.exhaustive_max_images, options.max_cluster_size);
   ViewClusters result;
-  result.clusters = Divide(graph, is_small ? graph.image_count : CoreSize(options));
+  std::vector<int> all(graph.image_count);
+  std::iota(all.begin(), all.end(), 0);
+  result.clusters = DivideByCut(graph, all, is_small ? graph.image_count : CoreSizeOf(options));
   GrowOverlap(graph, options.min_overlap, options.max_cluster_size, result.clusters);
   PairSet pairs;
   for (const std::vector<int>& cluster : result.clusters) AddPairsInside(cluster, pairs);

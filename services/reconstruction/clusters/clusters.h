@@ -25,6 +25,10 @@ struct ViewClusterOptions {
   Status Check() const;
 };
 
+/// The size to cut down to before overlap is added. What a cluster takes in from its neighbours and what they take in
+/// from it both count as overlap, so half the overlap has to be taken in.
+int CoreSizeOf(const ViewClusterOptions& options);
+
 /// Clusters of similar pictures by normalised cut of the similarity graph (Shi & Malik 2000), joined by shared
 /// pictures, and the pairs to be matched, whose number grows linearly with that of the pictures. Errors: 400
 /// `invalid_option`, 422 `too_few_images` under 2, `cancelled`.

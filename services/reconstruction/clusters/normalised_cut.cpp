@@ -69,4 +69,21 @@ std::pair<std::vector<int>, std::vector<int>> NormalisedCut(const SimilarityGrap
   return sides;
 }
 
+std::vector<std::vector<int>> DivideByCut(const SimilarityGraph& graph, const std::vector<int>& images, int max_size) {
+  std::vector<std::vector<int>> waiting = {images}, done;
+  while (!waiting.empty()) {
+    std::vector<int> group = std::move(waiting.back());
+    waiting.pop_back();
+    if (static_cast<int>(group.size()) <= max_size) {
+      done.push_back(std::move(group));
+      continue;
+    }
+    auto [left, right] = NormalisedCut(graph, group);
+    waiting.push_back(std::move(left));
+    waiting.push_back(std::move(right));
+  }
+  std::sort(done.begin(), done.end());
+  return done;
+}
+
 }  // namespace drupe

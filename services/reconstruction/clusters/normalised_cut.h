@@ -13,4 +13,7 @@ namespace drupe {
 std::pair<std::vector<int>, std::vector<int>> NormalisedCut(const SimilarityGraph& graph,
                                                             const std::vector<int>& images);
 
+/// Cuts `images` (ascending) until no group has more than `max_size` >= 1, in the order of their first images.
+std::vector<std::vector<int>> DivideByCut(const SimilarityGraph& graph, const std::vector<int>& images, int max_size);
+
 }  // namespace drupe

@@ -1,6 +1,7 @@
 #include "reconstruction/clusters/overlap.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace drupe {
 namespace {
@@ -57,7 +58,50 @@ bool Lend(const SimilarityGraph& graph, std::size_t from, std::size_t max_size,
   return lent >= 0;
 }
 
+/// The edges between two clusters.
+struct Border {
+  float strongest = 0;
+  int first = -1, second = -1;  ///< ends of the strongest
+};
+
+Border BorderOf(const SimilarityGraph& graph, const std::vector<int>& a, const std::vector<int>& b) {
+  Border border;
+  for (const int first : a) {
+    for (const int second : b) {
+      const float weight = graph.Weight(first, second);
+      if (weight <= border.strongest) continue;
+      border.strongest = weight;
+      border.first = first;
+      border.second = second;
+    }
+  }
+  return border;
+}
+
+void InsertIfRoom(std::vector<int>& cluster, int image, std::size_t max_size) {
+  if (cluster.size() < max_size && !Contains(cluster, image)) Insert(cluster, image);
+}
+
 }  // namespace
+
+void LinkNeighbours(const SimilarityGraph& graph, int max_size, std::vector<std::vector<int>>& clusters) {
+  constexpr std::size_t kNeighbours = 2;
+  const std::vector<std::vector<int>> cores = clusters;
+  for (std::size_t a = 0; a < cores.size(); ++a) {
+    std::vector<std::pair<float, std::size_t>> neighbours;  // strongest first
+    for (std::size_t b = 0; b < cores.size(); ++b) {
+      const float strongest = a == b ? 0 : BorderOf(graph, cores[a], cores[b]).strongest;
+      if (strongest > 0) neighbours.emplace_back(-strongest, b);
+    }
+    std::sort(neighbours.begin(), neighbours.end());
+    if (neighbours.size() > kNeighbours) neighbours.resize(kNeighbours);
+    for (const auto& [strength, b] : neighbours) {
+      const Border border = BorderOf(graph, cores[a], cores[b]);
+      InsertIfRoom(clusters[a], border.second, max_size);
+      InsertIfRoom(clusters[b], border.first, max_size);
+    }
+  }
+}
 
 double OverlapOf(const std::vector<std::vector<int>>& clusters, std::size_t cluster) {
   std::size_t shared = 0;
