@@ -9,11 +9,12 @@ namespace drupe {
 
 namespace {
 
-const SqliteMigrations kMigrations = {
+const Migrations kSchema = {
     "CREATE TABLE image_sets (id TEXT PRIMARY KEY, created_ms INTEGER NOT NULL) WITHOUT ROWID;"
     "CREATE TABLE image_set_images (set_id TEXT NOT NULL REFERENCES image_sets(id), name TEXT NOT NULL,"
     " sha256 TEXT NOT NULL, bytes INTEGER NOT NULL, width INTEGER NOT NULL, height INTEGER NOT NULL,"
-    " PRIMARY KEY (set_id, name)) WITHOUT ROWID;"};
+    " PRIMARY KEY (set_id, name)) WITHOUT ROWID;",
+    "ALTER TABLE image_sets ADD COLUMN announced TEXT NOT NULL DEFAULT '{}'"};
 
 constexpr std::size_t kContentIdDigits = 40;  ///< of the digest that names a set by its content
 
@@ -29,23 +30,22 @@ std::string ContentId(const std::vector<StoredImage>& images) {
 
 }  // namespace
 
-Result<std::unique_ptr<ImageSetStore>> ImageSetStore::Open(SqliteDatabase& database, const Limits& limits,
+Result<std::unique_ptr<ImageSetStore>> ImageSetStore::Open(Database& database, const Limits& limits,
                                                            const Clock& clock) {
-  DRUPE_RETURN_IF_ERROR(database.Migrate("image_sets", kMigrations));
+  DRUPE_RETURN_IF_ERROR(database.Migrate("image_sets", kSchema));
   return std::unique_ptr<ImageSetStore>(new ImageSetStore(database, limits, clock));
 }
 
-Result<ImageSet> ImageSetStore::Create() {
-  ImageSet set{NewId("set"), clock_.NowMs(), {}};
-  DRUPE_RETURN_IF_ERROR(
-      database_.Transaction(SqliteDurability::kPowerCut, [&] { return InsertSet(set.id, set.created_ms); }));
+Result<ImageSet> ImageSetStore::Create(const Json& announced) {
+  ImageSet set{NewId("set"), clock_.NowMs(), {}, announced};
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kPowerCut, [&] { return InsertSet(set); }));
   return set;
 }
 
 Result<ImageSet> ImageSetStore::CreateFrom(const std::vector<StoredImage>& images) {
-  ImageSet set{ContentId(images), clock_.NowMs(), images};
-  const Status status = database_.Transaction(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_RETURN_IF_ERROR(InsertSet(set.id, set.created_ms));
+  ImageSet set{ContentId(images), clock_.NowMs(), images, Json::object()};
+  const Status status = database_.Transaction(Durability::kPowerCut, [&]() -> Status {
+    DRUPE_RETURN_IF_ERROR(InsertSet(set));
     for (const StoredImage& image : images) DRUPE_RETURN_IF_ERROR(InsertImage(set.id, image));
     return Status::Ok();
   });
@@ -55,15 +55,15 @@ Result<ImageSet> ImageSetStore::CreateFrom(const std::vector<StoredImage>& image
 
 Result<ImageSet> ImageSetStore::Get(std::string_view id) {
   ImageSet set;
-  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&] { return Load(id, set); }));
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&] { return Load(id, "", set); }));
   return set;
 }
 
 Result<PutOutcome> ImageSetStore::PutImage(std::string_view id, const StoredImage& image) {
   PutOutcome outcome = PutOutcome::kAdded;
-  const Status status = database_.Transaction(SqliteDurability::kPowerCut, [&]() -> Status {
+  const Status status = database_.Transaction(Durability::kPowerCut, [&]() -> Status {
     ImageSet set;
-    DRUPE_RETURN_IF_ERROR(Load(id, set));
+    DRUPE_RETURN_IF_ERROR(Load(id, database_.WaitForRows(), set));
     DRUPE_RETURN_IF_ERROR(CheckFits(set, image));
     for (const StoredImage& present : set.images) {
       if (present.name == image.name) outcome = present == image ? PutOutcome::kUnchanged : PutOutcome::kReplaced;
@@ -74,26 +74,32 @@ Result<PutOutcome> ImageSetStore::PutImage(std::string_view id, const StoredImag
   return outcome;
 }
 
-Status ImageSetStore::InsertSet(const std::string& id, std::int64_t created_ms) {
+Status ImageSetStore::InsertSet(const ImageSet& set) {
   DRUPE_ASSIGN_OR_RETURN(const auto insert,
-                         database_.Prepare("INSERT OR IGNORE INTO image_sets (id, created_ms) VALUES (?, ?)"));
-  return insert->Bind(id).Bind(created_ms).Run();
+                         database_.Prepare("INSERT INTO image_sets (id, created_ms, announced) VALUES (?, ?, ?)"
+                                           " ON CONFLICT (id) DO NOTHING"));
+  return insert->Bind(set.id).Bind(set.created_ms).Bind(DumpJson(set.announced)).Run();
 }
 
 Status ImageSetStore::InsertImage(std::string_view id, const StoredImage& image) {
   DRUPE_ASSIGN_OR_RETURN(const auto insert,
-                         database_.Prepare("INSERT OR REPLACE INTO image_set_images"
-                                           " (set_id, name, sha256, bytes, width, height) VALUES (?, ?, ?, ?, ?, ?)"));
+                         database_.Prepare("INSERT INTO image_set_images"
+                                           " (set_id, name, sha256, bytes, width, height) VALUES (?, ?, ?, ?, ?, ?)"
+                                           " ON CONFLICT (set_id, name) DO UPDATE SET sha256 = excluded.sha256,"
+                                           " bytes = excluded.bytes, width = excluded.width,"
+                                           " height = excluded.height"));
   insert->Bind(id).Bind(image.name).Bind(image.sha256).Bind(image.bytes).Bind(image.width).Bind(image.height);
   return insert->Run();
 }
 
-Status ImageSetStore::Load(std::string_view id, ImageSet& set) {
-  DRUPE_ASSIGN_OR_RETURN(const auto head, database_.Prepare("SELECT created_ms FROM image_sets WHERE id = ?"));
+Status ImageSetStore::Load(std::string_view id, std::string_view lock, ImageSet& set) {
+  const std::string select = "SELECT created_ms, announced FROM image_sets WHERE id = ?" + std::string(lock);
+  DRUPE_ASSIGN_OR_RETURN(const auto head, database_.Prepare(select));
   DRUPE_ASSIGN_OR_RETURN(const bool found, head->Bind(id).Step());
   if (!found) return NotFound("image_set_not_found", "there is no image set " + std::string(id));
   set.id = id;
   set.created_ms = head->Int(0);
+  DRUPE_ASSIGN_OR_RETURN(set.announced, ParseJson(head->Text(1)));
   DRUPE_ASSIGN_OR_RETURN(const auto rows,
                          database_.Prepare("SELECT name, sha256, bytes, width, height FROM image_set_images"
                                            " WHERE set_id = ? ORDER BY name"));

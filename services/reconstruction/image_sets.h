@@ -10,7 +10,7 @@
 #include "base/json.h"
 #include "base/limits.h"
 #include "base/status.h"
-#include "jobs/sqlite/database.h"
+#include "jobs/sql/database.h"
 
 namespace drupe {
 
@@ -29,6 +29,9 @@ struct ImageSet {
   std::string id;
   std::int64_t created_ms = 0;
   std::vector<StoredImage> images;  ///< ascending by name, which is the order of the turn
+  /// {"calibration", "board", "options"}, each as in a request or absent: what will be asked of the set, so that work
+  /// can begin while its images arrive. Checked by whoever creates the set.
+  Json announced = Json::object();
 };
 
 enum class PutOutcome { kAdded, kReplaced, kUnchanged };
@@ -38,11 +41,13 @@ enum class PutOutcome { kAdded, kReplaced, kUnchanged };
 class ImageSetStore {
  public:
   /// `database` and `clock` must outlive the store.
-  static Result<std::unique_ptr<ImageSetStore>> Open(SqliteDatabase& database, const Limits& limits,
-                                                     const Clock& clock = Clock::System());
+  static Result<std::unique_ptr<ImageSetStore>> Open(Database& database, const Limits& limits, const Clock& clock);
+  static Result<std::unique_ptr<ImageSetStore>> Open(Database& database, const Limits& limits) {
+    return Open(database, limits, database.clock());
+  }
 
-  /// A new set without images.
-  Result<ImageSet> Create();
+  /// A new set without images; for `announced` see ImageSet.
+  Result<ImageSet> Create(const Json& announced = Json::object());
   /// The set of exactly these images (ascending by name). Its id follows from names and digests, so a repeated upload
   /// gives the same set.
   Result<ImageSet> CreateFrom(const std::vector<StoredImage>& images);
@@ -54,15 +59,16 @@ class ImageSetStore {
   Result<PutOutcome> PutImage(std::string_view id, const StoredImage& image);
 
  private:
-  ImageSetStore(SqliteDatabase& database, const Limits& limits, const Clock& clock)
+  ImageSetStore(Database& database, const Limits& limits, const Clock& clock)
       : database_(database), limits_(limits), clock_(clock) {}
 
-  Status InsertSet(const std::string& id, std::int64_t created_ms);
+  Status InsertSet(const ImageSet& set);
   Status InsertImage(std::string_view id, const StoredImage& image);
-  Status Load(std::string_view id, ImageSet& set);
+  /// `lock`: put after the SELECT of the set, to keep others from changing it.
+  Status Load(std::string_view id, std::string_view lock, ImageSet& set);
   Status CheckFits(const ImageSet& set, const StoredImage& image) const;
 
-  SqliteDatabase& database_;
+  Database& database_;
   const Limits limits_;
   const Clock& clock_;
 };

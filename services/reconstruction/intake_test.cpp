@@ -9,6 +9,7 @@
 #include "http/request.h"
 #include "reconstruction/image_sets.h"
 #include "reconstruction/reconstruct_request.h"
+#include "jobs/sqlite/database.h"
 
 namespace drupe {
 namespace {

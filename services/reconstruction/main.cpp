@@ -1,13 +1,19 @@
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "base/log.h"
 #include "http/client.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sql/sql_job_store.h"
+#include "jobs/sqlite/database.h"
 #include "reconstruction/image_sets.h"
+#include "reconstruction/object_derived_cache.h"
+#include "reconstruction/prepare_job.h"
 #include "reconstruction/reconstruct_job.h"
 #include "reconstruction/routes.h"
 #include "store/object_store.h"
@@ -22,6 +28,8 @@ struct Settings {
   int workers = 1;
   int threads = 0;
   double drain_s = 20;
+  int prepare_workers = -1;
+  int cache_mb = 4096;
 };
 
 /// The stores of the service, in the order in which they depend on one another.
@@ -30,18 +38,21 @@ struct Stores {
   std::unique_ptr<SqliteDatabase> database;
   std::unique_ptr<JobStore> jobs;
   std::unique_ptr<ImageSetStore> sets;
+  std::unique_ptr<ObjectDerivedCache> derived;
 };
 
-Result<Stores> OpenStores(const ServiceOptions& options) {
+Result<Stores> OpenStores(const ServiceOptions& options, const Settings& settings) {
   Stores stores;
   DRUPE_ASSIGN_OR_RETURN(stores.objects, ObjectStore::Open(options.data / "objects"));
   DRUPE_ASSIGN_OR_RETURN(stores.database, SqliteDatabase::Open(options.data / "reconstruction.db"));
-  DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenSqliteJobStore(*stores.database));
+  DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenJobStore(*stores.database));
   DRUPE_ASSIGN_OR_RETURN(stores.sets, ImageSetStore::Open(*stores.database, options.limits));
+  DRUPE_ASSIGN_OR_RETURN(stores.derived, ObjectDerivedCache::Open(*stores.database, *stores.objects,
+                                                                  std::int64_t{settings.cache_mb} * 1'000'000));
   return stores;
 }
 
-void AddMetrics(Metrics& metrics, JobStore& jobs) {
+void AddJobMetrics(Metrics& metrics, JobStore& jobs) {
   const auto add = [&](const char* state, std::int64_t JobCounts::*member) {
     metrics.AddGauge(std::string("drupe_jobs_") + state, "Jobs in this state.", [&jobs, member] {
       const Result<JobCounts> counts = jobs.Counts();
@@ -55,6 +66,19 @@ void AddMetrics(Metrics& metrics, JobStore& jobs) {
   add("cancelled", &JobCounts::cancelled);
 }
 
+void AddCacheMetrics(Metrics& metrics, const ObjectDerivedCache& derived) {
+  metrics.AddGauge("drupe_derived_hits", "What was known of a picture and not computed again, since the start.",
+                   [&derived] { return static_cast<double>(derived.hits()); });
+  metrics.AddGauge("drupe_derived_misses", "What had to be computed of a picture, since the start.",
+                   [&derived] { return static_cast<double>(derived.misses()); });
+}
+
+/// By default, half of the cores.
+int PrepareWorkers(const Settings& settings) {
+  if (settings.prepare_workers >= 0) return settings.prepare_workers;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
+}
+
 JobRunnerOptions RunnerOptions(const Settings& settings, int workers, const std::string& name) {
   JobRunnerOptions options;
   options.workers = workers;
@@ -64,24 +88,31 @@ JobRunnerOptions RunnerOptions(const Settings& settings, int workers, const std:
   return options;
 }
 
-/// The two kinds of work. Announcements have a runner of their own, so that they never wait for a reconstruction.
+/// The three kinds of work. Announcements have a runner of their own, so that they never wait for a reconstruction, and
+/// so has what is done while pictures arrive, so that it never takes more than its threads.
 class Workers {
  public:
   Workers(Stores& stores, const Settings& settings, const Limits& limits, const Client& analysis)
       : jobs_(*stores.jobs),
         reconstructions_(*stores.jobs, RunnerOptions(settings, settings.workers, "reconstruct")),
-        announcements_(*stores.jobs, RunnerOptions(settings, 1, "announce")) {
-    reconstructions_.Handle(kReconstructKind, ReconstructJob(*stores.objects, *stores.jobs, limits),
+        announcements_(*stores.jobs, RunnerOptions(settings, 1, "announce")),
+        prepares_(PrepareWorkers(settings) > 0),
+        preparations_(*stores.jobs, RunnerOptions(settings, std::max(1, PrepareWorkers(settings)), "prepare")) {
+    reconstructions_.Handle(kReconstructKind,
+                            ReconstructJob(*stores.objects, *stores.jobs, stores.derived.get(), limits),
                             ReconstructStages());
     announcements_.Handle(kAnnounceKind, AnnounceJob(*stores.jobs, analysis));
+    preparations_.Handle(kPrepareKind, PrepareJob(*stores.objects, *stores.derived, limits));
   }
 
   Status Start() {
     DRUPE_RETURN_IF_ERROR(ReviveAnnouncements(jobs_));
     DRUPE_RETURN_IF_ERROR(reconstructions_.Start());
+    if (prepares_) DRUPE_RETURN_IF_ERROR(preparations_.Start());
     return announcements_.Start();
   }
   void Stop() {
+    preparations_.Stop(0);
     reconstructions_.Stop();
     announcements_.Stop();
   }
@@ -90,22 +121,29 @@ class Workers {
   JobStore& jobs_;
   JobRunner reconstructions_;
   JobRunner announcements_;
+  const bool prepares_;
+  JobRunner preparations_;
 };
 
 Status Serve(Service& service, const Settings& settings, int& exit_code) {
   const ServiceOptions& options = service.options();
-  DRUPE_ASSIGN_OR_RETURN(Stores stores, OpenStores(options));
+  DRUPE_ASSIGN_OR_RETURN(Stores stores, OpenStores(options, settings));
   DRUPE_ASSIGN_OR_RETURN(const Client analysis, Client::Create(settings.analysis_url));
   Workers workers(stores, settings, options.limits, analysis);
   if (options.role != Role::kWorker) {
     const std::string& report_url =
         settings.public_analysis_url.empty() ? settings.analysis_url : settings.public_analysis_url;
-    const RouteContext context{
-        *stores.objects, *stores.jobs, *stores.sets, options.limits, {options.public_url, report_url}};
+    const RouteContext context{*stores.objects,
+                               *stores.jobs,
+                               *stores.sets,
+                               options.limits,
+                               {options.public_url, report_url},
+                               PrepareWorkers(settings) > 0};
     AddReconstructionRoutes(service.router(), context);
     AddImageSetRoutes(service.router(), context);
   }
-  AddMetrics(service.metrics(), *stores.jobs);
+  AddJobMetrics(service.metrics(), *stores.jobs);
+  AddCacheMetrics(service.metrics(), *stores.derived);
   service.AddReadinessCheck("objects", [&] { return stores.objects->CheckWritable(); });
   service.AddReadinessCheck("jobs", [&] { return stores.jobs->Counts().status(); });
   service.OnDrain([&] { workers.Stop(); });
@@ -126,6 +164,9 @@ int main(int argc, char** argv) {
                     "where users reach that service, for the link to the report; empty: --analysis-url");
   service.AddOption("--workers", settings.workers, "reconstructions at once");
   service.AddOption("--threads", settings.threads, "threads of a reconstruction, 0 for one per core");
+  service.AddOption("--prepare-workers", settings.prepare_workers,
+                    "threads that find features while pictures arrive, 0 for none, -1 for half of the cores");
+  service.AddOption("--cache-mb", settings.cache_mb, "disk space for what is known of pictures, 0 for none");
   service.AddOption("--drain-s", settings.drain_s, "seconds that running jobs are given when the service stops");
   if (const std::optional<int> exit_code = service.Parse(argc, argv)) return *exit_code;
   int exit_code = 1;

@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "reconstruction/intake.h"
 #include "reconstruction/pipeline.h"
+#include "reconstruction/reconstruct_input.h"
 #include "reconstruction/reconstruct_request.h"
 
 namespace drupe {
@@ -18,19 +19,6 @@ constexpr int kAnnounceAttempts = 100;   ///< with pauses of up to a minute
 constexpr int kAnnouncePriority = 10;    ///< before reconstructions, since it takes no time
 constexpr int kWaitForCompletion = 100;  ///< looks at a job that is about to be recorded as succeeded
 constexpr std::chrono::milliseconds kLook{50};
-
-ReconstructionInput MakeInput(const ReconstructRequest& request, ObjectStore& objects, const Limits& limits) {
-  ReconstructionInput input;
-  for (const StoredImage& image : request.images) {
-    input.images.push_back({image.name, [&objects, sha256 = image.sha256, max_bytes = limits.max_image_bytes] {
-                              return objects.Get(sha256, max_bytes);
-                            }});
-  }
-  input.calibration = request.calibration;
-  input.board = request.board;
-  input.limits = limits;
-  return input;
-}
 
 Result<Json> StoreArtifacts(const std::map<std::string, std::string>& artifacts, ObjectStore& objects) {
   Json list = Json::array();
@@ -83,7 +71,7 @@ Result<Json> ReconstructJob::operator()(const Job& job, const RunContext& contex
   DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest request, FromPayload(job.payload));
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOptions options, ParseReconstructionOptions(request.options));
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput output,
-                         RunReconstruction(MakeInput(request, objects_, limits_), options, context));
+                         RunReconstruction(MakeInput(request, objects_, cache_, limits_), options, context));
   using Artifacts = std::map<std::string, std::string>;
   DRUPE_ASSIGN_OR_RETURN(const Artifacts artifacts, CollectArtifacts(output, request));
   DRUPE_ASSIGN_OR_RETURN(const Json stored, StoreArtifacts(artifacts, objects_));

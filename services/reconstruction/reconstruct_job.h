@@ -9,6 +9,7 @@
 #include "http/client.h"
 #include "jobs/job_runner.h"
 #include "jobs/job_store.h"
+#include "reconstruction/derived_cache.h"
 #include "store/object_store.h"
 
 namespace drupe {
@@ -21,15 +22,16 @@ inline constexpr const char* kAnnounceKind = "announce";
 /// "timings", "refused_images"}.
 class ReconstructJob {
  public:
-  /// Both stores must outlive the job.
-  ReconstructJob(ObjectStore& objects, JobStore& jobs, const Limits& limits)
-      : objects_(objects), jobs_(jobs), limits_(limits) {}
+  /// Both stores must outlive the job, and so must `cache`, which may be null.
+  ReconstructJob(ObjectStore& objects, JobStore& jobs, DerivedCache* cache, const Limits& limits)
+      : objects_(objects), jobs_(jobs), cache_(cache), limits_(limits) {}
 
   Result<Json> operator()(const Job& job, const RunContext& context) const;
 
  private:
   ObjectStore& objects_;
   JobStore& jobs_;
+  DerivedCache* cache_;
   const Limits limits_;
 };
 

@@ -63,6 +63,12 @@ Json ValueOrNull(const Json& object, const char* key) {
   return object.contains(key) ? object.at(key) : Json();
 }
 
+/// The documents of `request`, and where it has none those of `announced`.
+RequestDocuments DocumentsOf(const Json& request, const Json& announced) {
+  const auto pick = [&](const char* key) { return ValueOrNull(request.contains(key) ? request : announced, key); };
+  return {pick("calibration"), pick("board"), pick("options")};
+}
+
 }  // namespace
 
 Status ApplyDocuments(const RequestDocuments& documents, ReconstructRequest& request) {
@@ -90,10 +96,29 @@ Result<ReconstructRequest> ReadReconstructJson(const Request& http, ImageSetStor
                            "image_set");
   }
   request.images = set.images;
-  const RequestDocuments documents{ValueOrNull(body, "calibration"), ValueOrNull(body, "board"),
-                                   ValueOrNull(body, "options")};
-  DRUPE_RETURN_IF_ERROR(ApplyDocuments(documents, request));
+  DRUPE_RETURN_IF_ERROR(ApplyDocuments(DocumentsOf(body, set.announced), request));
   DRUPE_RETURN_IF_ERROR(ReadAnalyze(ValueOrNull(body, "analyze"), request.analyze));
+  return request;
+}
+
+Result<Json> ReadAnnouncement(const Request& http) {
+  if (http.body->length() == 0) return Json::object();
+  DRUPE_ASSIGN_OR_RETURN(Json body, ReadJsonBody(http));
+  if (!body.is_object()) return InvalidArgument("invalid_request", "the body must be empty or an object");
+  for (const auto& [key, value] : body.items()) {
+    if (key != "calibration" && key != "board" && key != "options") {
+      return InvalidArgument("unknown_option", "an image set announces no \"" + key + "\"", key);
+    }
+  }
+  ReconstructRequest checked;
+  DRUPE_RETURN_IF_ERROR(ApplyDocuments(DocumentsOf(body, {}), checked));
+  return body;
+}
+
+Result<ReconstructRequest> AnnouncedRequest(const ImageSet& set) {
+  ReconstructRequest request;
+  request.image_set = set.id;
+  DRUPE_RETURN_IF_ERROR(ApplyDocuments(DocumentsOf(set.announced, {}), request));
   return request;
 }
 

@@ -45,9 +45,18 @@ Status ApplyDocuments(const RequestDocuments& documents, ReconstructRequest& req
 Result<ReconstructRequest> ReadReconstructForm(const Request& http, ObjectStore& objects, ImageSetStore& sets,
                                                const Limits& limits);
 
-/// Reads {"image_set": ID, "calibration", "board", "options", "analyze"}. Errors: 400 `invalid_request`, `invalid_id`,
-/// `unknown_option`, `too_few_images`, 404 `image_set_not_found`, and those of ApplyDocuments.
+/// Reads {"image_set": ID, "calibration", "board", "options", "analyze"}; a document that is not there is the one that
+/// was announced with the set. Errors: 400 `invalid_request`, `invalid_id`, `unknown_option`, `too_few_images`, 404
+/// `image_set_not_found`, and those of ApplyDocuments.
 Result<ReconstructRequest> ReadReconstructJson(const Request& http, ImageSetStore& sets, const Limits& limits);
+
+/// Reads what a new image set announces, {"calibration", "board", "options"}, all optional and as in
+/// ReadReconstructJson, from the body of `http`, which may be empty. Errors: 400 `unknown_option`, `invalid_request`,
+/// and those of ApplyDocuments.
+Result<Json> ReadAnnouncement(const Request& http);
+
+/// The request that the set announces, without images.
+Result<ReconstructRequest> AnnouncedRequest(const ImageSet& set);
 
 /// The request as a job keeps it, and back. Errors of the way back: 500, since only this program writes it.
 Json ToPayload(const ReconstructRequest& request);

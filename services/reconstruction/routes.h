@@ -16,6 +16,7 @@ struct RouteContext {
   ImageSetStore& sets;
   Limits limits;
   LinkBase links;
+  bool prepare = true;  ///< leave a job for every picture that arrives in a set, so that its features are found at once
 };
 
 /// POST /reconstruct, GET /reconstructions, and what lies below /reconstructions/ID.

@@ -1,6 +1,9 @@
+#include "base/log.h"
 #include "http/request.h"
 #include "http/response.h"
 #include "reconstruction/intake.h"
+#include "reconstruction/prepare_job.h"
+#include "reconstruction/reconstruct_request.h"
 #include "reconstruction/routes.h"
 
 namespace drupe {
@@ -15,17 +18,10 @@ Json SetJson(const ImageSet& set, const LinkBase& links) {
           {"links", {{"self", self}, {"images", self + "/images"}}}};
 }
 
-/// A set is made empty; a body, if there is one, must be an empty object.
-Status CheckEmptyBody(const Request& request) {
-  if (request.body->length() == 0) return Status::Ok();
-  DRUPE_ASSIGN_OR_RETURN(const Json body, ReadJsonBody(request));
-  if (body.is_object() && body.empty()) return Status::Ok();
-  return InvalidArgument("invalid_request", "a new image set takes no properties; the body must be empty or {}");
-}
-
 void CreateSet(const RouteContext& context, const Request& request, Response& response) {
-  if (const Status empty = CheckEmptyBody(request); !empty.ok()) return response.SetError(empty);
-  const Result<ImageSet> set = context.sets.Create();
+  const Result<Json> announced = ReadAnnouncement(request);
+  if (!announced.ok()) return response.SetError(announced.status());
+  const Result<ImageSet> set = context.sets.Create(*announced);
   if (!set.ok()) return response.SetError(set.status());
   response.SetJson(SetJson(*set, context.links), 201);
   response.SetHeader("Location", context.links.self + "/image-sets/" + set->id);
@@ -42,6 +38,13 @@ struct PutResult {
   PutOutcome outcome;
 };
 
+/// The picture is stored whatever comes of this: what is not prepared is done by the reconstruction.
+void Prepare(const RouteContext& context, const ImageSet& set, const StoredImage& image) {
+  const Result<ReconstructRequest> announced = AnnouncedRequest(set);
+  const Status left = announced.ok() ? LeavePreparation(context.jobs, *announced, image) : announced.status();
+  if (!left.ok()) Log(LogLevel::kWarning, "cannot prepare a picture", {{"set", set.id}, {"error", left.ToString()}});
+}
+
 Result<PutResult> StoreInSet(const RouteContext& context, const Request& request) {
   const std::string& id = request.Capture("id");
   const Result<ImageSet> set = context.sets.Get(id);  // before the body is read for nothing
@@ -50,6 +53,7 @@ Result<PutResult> StoreInSet(const RouteContext& context, const Request& request
   DRUPE_ASSIGN_OR_RETURN(const StoredImage image,
                          StoreImage(context.objects, request.Capture("name"), bytes, context.limits));
   DRUPE_ASSIGN_OR_RETURN(const PutOutcome outcome, context.sets.PutImage(id, image));
+  if (context.prepare && outcome != PutOutcome::kUnchanged) Prepare(context, *set, image);
   return PutResult{image, outcome};
 }
 

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "base/limits.h"
+#include "base/run_context.h"
+#include "base/status.h"
+#include "jobs/job_store.h"
+#include "reconstruction/derived_cache.h"
+#include "reconstruction/reconstruct_request.h"
+#include "store/object_store.h"
+
+namespace drupe {
+
+inline constexpr const char* kPrepareKind = "prepare";
+
+/// The job that is left for every picture which arrives in an image set: finds what the reconstruction will need of it
+/// and leaves it in the cache, so that little is left to do after the last picture. A job, so that a crash loses none,
+/// a picture on which the program dies is given up after a few attempts, and another machine may do it. Runs at a low
+/// priority, since uploads and reconstructions come first. Its result is {"features"}: how many there are.
+class PrepareJob {
+ public:
+  /// Store and cache must outlive the job.
+  PrepareJob(ObjectStore& objects, DerivedCache& cache, const Limits& limits)
+      : objects_(objects), cache_(cache), limits_(limits) {}
+
+  Result<Json> operator()(const Job& job, const RunContext& context) const;
+
+ private:
+  ObjectStore& objects_;
+  DerivedCache& cache_;
+  const Limits limits_;
+};
+
+/// Leaves that job for `image`; `announced` is what will be asked of its set, as far as it is known. Does nothing while
+/// many jobs wait: the reconstruction then does the work itself. Errors: those of the job store.
+Status LeavePreparation(JobStore& jobs, const ReconstructRequest& announced, const StoredImage& image);
+
+}  // namespace drupe
