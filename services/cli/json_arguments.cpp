@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "base/files.h"
+#include "defect_analysis/models/default_model.h"
 
 namespace drupe {
 
@@ -27,6 +28,12 @@ Result<std::optional<Board>> LoadBoardArgument(const std::string& argument) {
   DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJsonArgument(argument));
   DRUPE_ASSIGN_OR_RETURN(Board board, ParseBoard(json));
   return std::optional<Board>(std::move(board));
+}
+
+Result<ColourModel> LoadModelArgument(const std::string& argument) {
+  if (argument == "default") return DefaultBackgroundModel();
+  DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJsonArgument(argument));
+  return ParseColourModel(json);
 }
 
 }  // namespace drupe

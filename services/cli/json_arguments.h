@@ -6,6 +6,7 @@
 #include "base/json.h"
 #include "base/status.h"
 #include "scene/board.h"
+#include "scene/colour_model.h"
 
 namespace drupe {
 
@@ -15,5 +16,8 @@ Result<Json> LoadJsonArgument(const std::string& argument);
 
 /// A board argument: "default", a board.json's name, or its JSON. Empty: no board.
 Result<std::optional<Board>> LoadBoardArgument(const std::string& argument);
+
+/// A background model's argument: "default", or a model file's name.
+Result<ColourModel> LoadModelArgument(const std::string& argument);
 
 }  // namespace drupe

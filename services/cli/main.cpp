@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = 0;
   drupe::AddRunCommand(app, exit_code);
+  drupe::AddAnalyzeCommand(app, exit_code);
+  drupe::AddModelCommand(app, exit_code);
   drupe::AddCalibrateCommand(app, exit_code);
   drupe::AddBoardCommand(app, exit_code);
   drupe::AddBenchCommand(app, exit_code);

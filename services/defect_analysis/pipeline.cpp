@@ -8,6 +8,7 @@
 #include "defect_analysis/defects/find_defects.h"
 #include "defect_analysis/fruit/extract_fruits.h"
 #include "defect_analysis/fruit/traits.h"
+#include "defect_analysis/models/default_model.h"
 #include "defect_analysis/report/assemble.h"
 
 namespace drupe {
@@ -38,9 +39,21 @@ Result<std::vector<Fruit>> MeasureFruits(const std::vector<FruitCloud>& clouds, 
   return fruits;
 }
 
+// The model that the options name; nothing for geometry alone.
+Result<std::optional<ColourModel>> BackgroundModel(const AnalysisInput& input, const BackgroundOptions& options) {
+  if (options.model == "none") return std::optional<ColourModel>();
+  if (input.background_model) return input.background_model;
+  if (options.model != "default") {
+    return InvalidArgument("unknown_model", "there is no model " + options.model, "background.model");
+  }
+  DRUPE_ASSIGN_OR_RETURN(ColourModel model, DefaultBackgroundModel());
+  return std::optional<ColourModel>(std::move(model));
+}
+
 }  // namespace
 
 Status AnalysisOptions::Check() const {
+  DRUPE_RETURN_IF_ERROR(background.Check());
   DRUPE_RETURN_IF_ERROR(fruit.Check());
   return defects.Check();
 }
@@ -49,6 +62,9 @@ Result<AnalysisOptions> ParseAnalysisOptions(const Json& json) {
   AnalysisOptions options;
   if (json.is_null()) return options;
   OptionReader reader(json, "options");
+  if (const Json* background = reader.Nested("background")) {
+    DRUPE_ASSIGN_OR_RETURN(options.background, ParseBackgroundOptions(*background, reader.PathOf("background")));
+  }
   if (const Json* fruit = reader.Nested("fruit")) {
     DRUPE_ASSIGN_OR_RETURN(options.fruit, ParseFruitOptions(*fruit, reader.PathOf("fruit")));
   }
@@ -59,7 +75,7 @@ Result<AnalysisOptions> ParseAnalysisOptions(const Json& json) {
 }
 
 Json ToJson(const AnalysisOptions& options) {
-  Json json = {{"fruit", ToJson(options.fruit)}};
+  Json json = {{"background", ToJson(options.background)}, {"fruit", ToJson(options.fruit)}};
   json.update(ToJson(options.defects));
   return json;
 }
@@ -68,10 +84,11 @@ Result<Report> RunAnalysis(const AnalysisInput& input, const AnalysisOptions& op
   DRUPE_RETURN_IF_ERROR(options.Check());
   DRUPE_RETURN_IF_ERROR(CheckInput(input));
   context.Report("fruit", 0);
-  const FruitScene scene{input.scale_source == ScaleSource::kBoard, input.camera_centres};
+  DRUPE_ASSIGN_OR_RETURN(const std::optional<ColourModel> model, BackgroundModel(input, options.background));
+  const FruitScene scene{input.scale_source == ScaleSource::kBoard, input.camera_centres, model ? &*model : nullptr};
   const Stopwatch fruit_watch;
   DRUPE_ASSIGN_OR_RETURN(const std::vector<FruitCloud> clouds,
-                         ExtractFruits(input.cloud, scene, options.fruit, context));
+                         ExtractFruits(input.cloud, scene, options.fruit, options.background, context));
   const double fruit_s = fruit_watch.WallSeconds();
   context.Report("fruit", 1);
   const Stopwatch defects_watch;

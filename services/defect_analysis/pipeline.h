@@ -8,8 +8,10 @@
 #include "base/run_context.h"
 #include "base/status.h"
 #include "defect_analysis/defects/defect_options.h"
+#include "defect_analysis/fruit/background_options.h"
 #include "defect_analysis/fruit/fruit_options.h"
 #include "scene/board.h"
+#include "scene/colour_model.h"
 #include "scene/point_cloud.h"
 #include "scene/report.h"
 #include "scene/sparse_model.h"
@@ -22,18 +24,22 @@ struct AnalysisInput {
   ScaleSource scale_source = ScaleSource::kNone;
   std::vector<Eigen::Vector3d> camera_centres;  ///< of the registered views, world frame; may be empty
   std::optional<Board> board;  ///< the world frame is the board's when it is there and the scale metric
+  /// The model that options.background.model names; not needed for "none", nor for "default", the one built in.
+  std::optional<ColourModel> background_model;
 };
 
 struct AnalysisOptions {
-  FruitOptions fruit;     ///< key "fruit"
-  DefectOptions defects;  ///< keys "segmentation", "cluster", "plane", "contour", "class"
+  BackgroundOptions background;  ///< key "background"
+  FruitOptions fruit;            ///< key "fruit"
+  DefectOptions defects;         ///< keys "segmentation", "cluster", "plane", "contour", "class"
 
   /// 400 `invalid_option` with the field and its range.
   Status Check() const;
 };
 
-/// Reads {"fruit": {...}, "segmentation": {...}, "cluster": {...}, "plane": {...}, "contour": {...}, "class": {...}};
-/// null or absent keys keep their defaults. Errors: 400 `unknown_option` naming the key, 400 `invalid_option`.
+/// Reads {"background": {...}, "fruit": {...}, "segmentation": {...}, "cluster": {...}, "plane": {...}, "contour":
+/// {...}, "class": {...}}; null or absent keys keep their defaults. Errors: 400 `unknown_option` naming the key, 400
+/// `invalid_option`.
 Result<AnalysisOptions> ParseAnalysisOptions(const Json& json);
 Json ToJson(const AnalysisOptions& options);
 
@@ -41,7 +47,7 @@ Json ToJson(const AnalysisOptions& options);
 /// planes, contours, classes. Fills everything but id, created_at, quality and the images' provenance, which the caller
 /// knows; timings_s holds the wall seconds of "fruit" and "defects".
 /// A cloud without any fruit gives a report with none. Progress stages: "fruit", "defects". Errors: 422 `empty_cloud`,
-/// 400 `invalid_cloud` (lengths differ, non-finite positions only, no colours), `cancelled`.
+/// 400 `invalid_cloud` (lengths differ, non-finite positions only, no colours), `unknown_model`, `cancelled`.
 Result<Report> RunAnalysis(const AnalysisInput& input, const AnalysisOptions& options, const RunContext& context);
 
 }  // namespace drupe

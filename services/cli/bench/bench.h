@@ -13,6 +13,9 @@ namespace drupe {
 /// `drupe bench NAME ...`: each function adds one measurement to the command `bench`; it prints a table of figures and
 /// leaves its result in `exit_code` (0 done, 1 the work failed). Files are named bench_<name>.cpp.
 
+/// `bench background`: fruit against background by colour (paper Table 4).
+void AddBackgroundBench(CLI::App& bench, int& exit_code);
+
 /// Prints the message of a failed bench to stderr; the exit code for it.
 int BenchExitCode(const Status& status);
 

@@ -8,7 +8,7 @@ namespace drupe {
 void AddBenchCommand(CLI::App& app, int& exit_code) {
   CLI::App* bench = app.add_subcommand("bench", "Measure a stage on sets whose truth is known, beside its peers");
   bench->require_subcommand(1);
-  static_cast<void>(exit_code);
+  AddBackgroundBench(*bench, exit_code);
 }
 
 }  // namespace drupe

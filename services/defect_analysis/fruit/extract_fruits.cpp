@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "defect_analysis/fruit/closed_surface.h"
+#include "defect_analysis/fruit/foreign_colours.h"
 #include "defect_analysis/fruit/ground.h"
 #include "defect_analysis/fruit/objects.h"
 #include "geometry/robust.h"
@@ -103,10 +104,8 @@ Result<FruitCloud> MakeFruit(const PointCloud& cloud, const std::vector<std::uin
   return fruit;
 }
 
-}  // namespace
-
-Result<std::vector<FruitCloud>> ExtractFruits(const PointCloud& cloud, const FruitScene& scene,
-                                              const FruitOptions& options, const RunContext& context) {
+Result<std::vector<FruitCloud>> ExtractByGeometry(const PointCloud& cloud, const FruitScene& scene,
+                                                  const FruitOptions& options, const RunContext& context) {
   const Layout layout = LayOut(cloud, scene, options, context.seed);
   auto objects = FindObjects(cloud, layout.box, layout.ground, layout.clearance, layout.voxel, options.min_points);
   DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
@@ -125,6 +124,32 @@ Result<std::vector<FruitCloud>> ExtractFruits(const PointCloud& cloud, const Fru
   for (auto& fruit : found) {
     if (fruit && static_cast<int>(fruits.size()) < options.max_fruits) fruits.push_back(std::move(*fruit));
   }
+  return fruits;
+}
+
+void JudgeColours(const ColourClassifier& classifier, const BackgroundOptions& options, FruitCloud& fruit) {
+  const ForeignColours foreign = RemoveForeignColours(classifier, options, fruit);
+  if (!foreign.known) {
+    Log(LogLevel::kInfo, "the background model does not know this fruit", {{"known_share", foreign.known_share}});
+  }
+}
+
+}  // namespace
+
+Result<std::vector<FruitCloud>> ExtractFruits(const PointCloud& cloud, const FruitScene& scene,
+                                              const FruitOptions& options, const BackgroundOptions& background,
+                                              const RunContext& context) {
+  DRUPE_ASSIGN_OR_RETURN(std::vector<FruitCloud> fruits, ExtractByGeometry(cloud, scene, options, context));
+  if (scene.background_model == nullptr) return fruits;
+  const ColourClassifier classifier(*scene.background_model);
+  if (fruits.empty()) {
+    const PointCloud coloured = KeepFruitColours(classifier, cloud);
+    if (coloured.empty()) return fruits;
+    DRUPE_ASSIGN_OR_RETURN(fruits, ExtractByGeometry(coloured, scene, options, context));
+  }
+  DRUPE_RETURN_IF_ERROR(
+      ParallelFor(context, fruits.size(), [&](std::size_t i) { JudgeColours(classifier, background, fruits[i]); }));
+  DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
   return fruits;
 }
 

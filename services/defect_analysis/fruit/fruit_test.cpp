@@ -83,7 +83,7 @@ TEST(MeasureTraits, SphereHasSphericityOne) {
   SyntheticFruit().AddTo(cloud);
   FruitScene scene;
   scene.metric = true;
-  const auto fruits = ExtractFruits(cloud, scene, {}, {});
+  const auto fruits = ExtractFruits(cloud, scene, {}, {}, {});
   ASSERT_TRUE(fruits.ok());
   ASSERT_EQ(fruits->size(), 1u);
   EXPECT_NEAR((*fruits)[0].noise_mm, 0.02, 0.004);

@@ -12,8 +12,8 @@ namespace drupe {
 struct TrainOptions {
   std::string name = "background";        ///< as CheckImageName allows
   ColourSpace space = ColourSpace::kLab;  ///< "lab" or "rgb"; the paper: Lab generalises better
-  double c = 30;                          ///< price of a wrong training point; 0.001..100000
-  double gamma = 1;                       ///< of the kernel, on colours normalised to unit deviation; 0.001..1000
+  double c = 10;                          ///< price of a wrong training point; 0.001..100000
+  double gamma = 0.5;                     ///< of the kernel, on colours normalised to unit deviation; 0.001..1000
   int max_points = 3000;                  ///< of each class, rare colours first; 50..50000
   double test_share = 0.25;               ///< of the points, kept from training where no test points are given; 0..0.9
   int recoloured = 0;                     ///< copies of the fruit in other hues and lightness, so that fruit of
