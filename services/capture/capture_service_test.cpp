@@ -10,7 +10,8 @@
 #include "capture/routes.h"
 #include "http/request.h"
 #include "http/response.h"
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sql/sql_job_store.h"
+#include "jobs/sqlite/database.h"
 
 namespace drupe {
 namespace {
@@ -60,7 +61,7 @@ class CaptureServiceTest : public ::testing::Test {
     auto database = SqliteDatabase::Open(directory_ / "capture.db");
     ASSERT_TRUE(objects.ok() && database.ok());
     objects_ = std::move(*objects), database_ = std::move(*database);
-    auto jobs = OpenSqliteJobStore(*database_);
+    auto jobs = OpenJobStore(*database_);
     ASSERT_TRUE(jobs.ok());
     jobs_ = std::move(*jobs);
     AddCaptureRoutes(router_, {*objects_, *jobs_, cameras_, Limits{}, "", "http://127.0.0.1:8082"});

@@ -8,7 +8,8 @@
 #include "capture/routes.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sql/sql_job_store.h"
+#include "jobs/sqlite/database.h"
 #include "store/object_store.h"
 
 namespace drupe {
@@ -31,7 +32,7 @@ Result<Stores> OpenStores(const ServiceOptions& options) {
   Stores stores;
   DRUPE_ASSIGN_OR_RETURN(stores.objects, ObjectStore::Open(options.data / "objects"));
   DRUPE_ASSIGN_OR_RETURN(stores.database, SqliteDatabase::Open(options.data / "capture.db"));
-  DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenSqliteJobStore(*stores.database));
+  DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenJobStore(*stores.database));
   return stores;
 }
 

@@ -16,7 +16,8 @@
 #include "http/client.h"
 #include "http/server.h"
 #include "jobs/job_runner.h"
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sqlite/database.h"
+#include "jobs/sql/sql_job_store.h"
 #include "scene/cameras_json.h"
 #include "scene/ply.h"
 
@@ -121,7 +122,7 @@ class AnalysisServiceTest : public testing::Test {
     objects_ = ObjectStore::Open(directory_ / "objects").value();
     database_ = SqliteDatabase::Open(directory_ / "analysis.db").value();
     index_ = ReportIndex::Open(*database_).value();
-    jobs_ = OpenSqliteJobStore(*database_, {.first_backoff_ms = 1, .max_backoff_ms = 1}).value();
+    jobs_ = OpenJobStore(*database_, {.first_backoff_ms = 1, .max_backoff_ms = 1}).value();
     client_ = ReconstructionClient::Create(reconstruction_server_->url(), *objects_).value();
     job_.emplace(*client_, *objects_, *index_);
     service_.emplace(*jobs_, *index_, *objects_);

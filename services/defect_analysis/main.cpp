@@ -8,7 +8,8 @@
 #include "defect_analysis/routes.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sql/sql_job_store.h"
+#include "jobs/sqlite/database.h"
 
 namespace drupe {
 namespace {
@@ -31,7 +32,7 @@ Status OpenStores(const std::filesystem::path& data, Analysis& analysis) {
   DRUPE_ASSIGN_OR_RETURN(analysis.objects, ObjectStore::Open(data / "objects"));
   DRUPE_ASSIGN_OR_RETURN(analysis.database, SqliteDatabase::Open(data / "analysis.db"));
   DRUPE_ASSIGN_OR_RETURN(analysis.index, ReportIndex::Open(*analysis.database));
-  DRUPE_ASSIGN_OR_RETURN(analysis.jobs, OpenSqliteJobStore(*analysis.database));
+  DRUPE_ASSIGN_OR_RETURN(analysis.jobs, OpenJobStore(*analysis.database));
   return Status::Ok();
 }
 

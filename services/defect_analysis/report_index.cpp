@@ -9,8 +9,8 @@ namespace drupe {
 namespace {
 
 // grades: one digit a fruit, the number of its DefectClass, so that "%3%" finds reports with a crack.
-const SqliteMigrations& Migrations() {
-  static const SqliteMigrations kMigrations = {R"sql(
+const Migrations& Schema() {
+  static const Migrations kSchema = {R"sql(
     CREATE TABLE analyses (
       reconstruction TEXT PRIMARY KEY,
       job TEXT NOT NULL
@@ -27,7 +27,7 @@ const SqliteMigrations& Migrations() {
       csv_sha256 TEXT NOT NULL
     );
   )sql"};
-  return kMigrations;
+  return kSchema;
 }
 
 char GradeDigit(DefectClass grade) {
@@ -44,7 +44,7 @@ constexpr std::string_view kSelect =
     "SELECT job, reconstruction, created_ms, grades, defects, json_sha256, csv_sha256, seq FROM reports ";
 constexpr int kSeqColumn = 7;
 
-ReportEntry ReadEntry(const SqliteStatement& row) {
+ReportEntry ReadEntry(const Statement& row) {
   ReportEntry entry{.job = row.Text(0), .reconstruction = row.Text(1), .created_ms = row.Int(2)};
   for (const char digit : row.Text(3)) entry.grades.push_back(static_cast<DefectClass>(digit - '0'));
   entry.defects = static_cast<int>(row.Int(4));
@@ -63,21 +63,23 @@ Result<std::int64_t> ParseCursor(const std::string& cursor) {
 
 }  // namespace
 
-Result<ReportIndex> ReportIndex::Open(SqliteDatabase& database) {
-  DRUPE_RETURN_IF_ERROR(database.Migrate("reports", Migrations()));
+Result<ReportIndex> ReportIndex::Open(Database& database) {
+  DRUPE_RETURN_IF_ERROR(database.Migrate("reports", Schema()));
   return ReportIndex(database);
 }
 
 Status ReportIndex::SetCurrentJob(std::string_view reconstruction, std::string_view job) {
-  return database_->Transaction(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(const auto insert, database_->Prepare("INSERT OR REPLACE INTO analyses VALUES (?, ?)"));
+  return database_->Transaction(Durability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const auto insert,
+                           database_->Prepare("INSERT INTO analyses (reconstruction, job) VALUES (?, ?) "
+                                              "ON CONFLICT (reconstruction) DO UPDATE SET job = excluded.job"));
     return insert->Bind(reconstruction).Bind(job).Run();
   });
 }
 
 Result<std::optional<std::string>> ReportIndex::CurrentJob(std::string_view reconstruction) {
   std::optional<std::string> job;
-  DRUPE_RETURN_IF_ERROR(database_->Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_->Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(const auto query, database_->Prepare("SELECT job FROM analyses WHERE reconstruction = ?"));
     DRUPE_ASSIGN_OR_RETURN(const bool found, query->Bind(reconstruction).Step());
     if (found) job = query->Text(0);
@@ -87,7 +89,7 @@ Result<std::optional<std::string>> ReportIndex::CurrentJob(std::string_view reco
 }
 
 Status ReportIndex::Add(const ReportEntry& entry) {
-  return database_->Transaction(SqliteDurability::kPowerCut, [&]() -> Status {
+  return database_->Transaction(Durability::kPowerCut, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(
         const auto insert,
         database_->Prepare("INSERT INTO reports (job, reconstruction, created_ms, grades, defects, json_sha256, "
@@ -99,7 +101,7 @@ Status ReportIndex::Add(const ReportEntry& entry) {
 
 Result<std::optional<ReportEntry>> ReportIndex::FindByJob(std::string_view job) {
   std::optional<ReportEntry> entry;
-  DRUPE_RETURN_IF_ERROR(database_->Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_->Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(const auto query, database_->Prepare(std::string(kSelect) + "WHERE job = ?"));
     DRUPE_ASSIGN_OR_RETURN(const bool found, query->Bind(job).Step());
     if (found) entry = ReadEntry(*query);
@@ -112,7 +114,7 @@ Result<ReportPage> ReportIndex::List(const ReportQuery& query) {
   DRUPE_ASSIGN_OR_RETURN(const std::int64_t before, ParseCursor(query.cursor));
   const std::string pattern = query.grade ? std::string{'%', GradeDigit(*query.grade), '%'} : "%";
   ReportPage page;
-  DRUPE_RETURN_IF_ERROR(database_->Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_->Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(
         const auto select,
         database_->Prepare(std::string(kSelect) + "WHERE seq < ? AND created_ms >= ? AND grades LIKE ? AND EXISTS "

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/status.h"
-#include "jobs/sqlite/database.h"
+#include "jobs/sql/database.h"
 #include "scene/report.h"
 
 namespace drupe {
@@ -42,7 +42,7 @@ struct ReportPage {
 class ReportIndex {
  public:
   /// `database` must outlive the index.
-  static Result<ReportIndex> Open(SqliteDatabase& database);
+  static Result<ReportIndex> Open(Database& database);
 
   /// Makes `job` the analysis that readers of the reconstruction's report see.
   Status SetCurrentJob(std::string_view reconstruction, std::string_view job);
@@ -56,9 +56,9 @@ class ReportIndex {
   Result<ReportPage> List(const ReportQuery& query);
 
  private:
-  explicit ReportIndex(SqliteDatabase& database) : database_(&database) {}
+  explicit ReportIndex(Database& database) : database_(&database) {}
 
-  SqliteDatabase* database_;
+  Database* database_;
 };
 
 }  // namespace drupe

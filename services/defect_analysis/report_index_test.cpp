@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/ids.h"
+#include "jobs/sqlite/database.h"
 
 namespace drupe {
 namespace {

@@ -4,6 +4,7 @@
 #   drupe_program(drupe-capture SOURCES main.cpp PRIVATE drupe_http)
 #   drupe_test(drupe_store_test SOURCES a_test.cpp PRIVATE drupe_store)
 #   drupe_test(drupe_camera_test SOURCES ... LOCK cameras)    tests with the same lock never run at the same time
+#   drupe_test(drupe_pg_test WHOLE SOURCES ...)               one process for all its tests: what they share is costly
 #
 # Includes are written from the top of shared/ or services/: #include "base/status.h", "reconstruction/dense/patch.h".
 
@@ -47,7 +48,7 @@ function(drupe_program name)
 endfunction()
 
 function(drupe_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT;LOCK" "SOURCES;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "WHOLE" "TIMEOUT;LOCK" "SOURCES;PRIVATE" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -59,6 +60,11 @@ function(drupe_test name)
   target_compile_definitions(${name} PRIVATE DRUPE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data")
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} GTest::gtest_main)
   drupe_reuse_headers(${name} drupe_test_headers)
+  if(ARG_WHOLE)
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES ${properties})
+    return()
+  endif()
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES ${properties})
 endfunction()

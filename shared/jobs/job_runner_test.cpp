@@ -9,7 +9,8 @@
 
 #include "base/ids.h"
 #include "jobs/fake_clock.h"
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sqlite/database.h"
+#include "jobs/sql/sql_job_store.h"
 
 namespace drupe {
 namespace {
@@ -24,7 +25,7 @@ class JobRunnerTest : public testing::Test {
   void SetUp() override {
     fs::create_directories(directory_);
     database_ = SqliteDatabase::Open(directory_ / "jobs.db").value();
-    store_ = OpenSqliteJobStore(*database_, {.first_backoff_ms = 1, .max_backoff_ms = 1}).value();
+    store_ = OpenJobStore(*database_, {.first_backoff_ms = 1, .max_backoff_ms = 1}).value();
   }
   void TearDown() override {
     runner_.reset();

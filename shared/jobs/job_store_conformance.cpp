@@ -16,6 +16,9 @@ constexpr std::int64_t kLease = 10'000;
 
 class JobStoreConformance : public testing::Test {
  protected:
+  void SetUp() override {
+    if (under_test_ == nullptr) GTEST_SKIP() << WhyNoJobStoreUnderTest();
+  }
   JobSpec Spec(std::string key = "") const {
     return {.kind = "work", .subject = "rec_1", .payload = {{"x", 1}}, .idempotency_key = std::move(key)};
   }
@@ -355,6 +358,20 @@ TEST_F(JobStoreConformance, EveryChangeWakesTheWaiters) {
   EXPECT_TRUE(changed());
   EXPECT_FALSE(TryClaim());
   EXPECT_FALSE(changed()) << "looking is no change";
+}
+
+TEST_F(JobStoreConformance, ForgetsWhatEndedLongAgo) {
+  Submit(Spec("old"));
+  const Job old = Claim();
+  ASSERT_TRUE(store().Complete(old.id, old.attempt, {}).ok());
+  clock().Advance(1'000);
+  const Job waiting = Submit(Spec());
+  const std::int64_t now = clock().NowMs();
+  EXPECT_EQ(store().DeleteEndedBefore(old.created_ms, 10).value(), 0);
+  EXPECT_EQ(store().DeleteEndedBefore(now, 10).value(), 1);
+  EXPECT_EQ(store().Get(old.id).status().code(), "job_not_found");
+  EXPECT_EQ(Get(waiting.id).state, JobState::kQueued);
+  EXPECT_NE(Submit(Spec("old")).id, old.id) << "its key is free again";
 }
 
 TEST_F(JobStoreConformance, KeepsTextExactly) {

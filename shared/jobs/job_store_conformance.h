@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "jobs/fake_clock.h"
 #include "jobs/job_store.h"
@@ -19,7 +20,9 @@ class JobStoreUnderTest {
   FakeClock clock_;
 };
 
-/// A new, empty store with those options on a clock that stands still.
+/// A new, empty store with those options on a clock that stands still; null when this machine cannot run the back end.
 std::unique_ptr<JobStoreUnderTest> MakeJobStoreUnderTest(const JobStoreOptions& options);
+/// Why MakeJobStoreUnderTest gives null.
+std::string WhyNoJobStoreUnderTest();
 
 }  // namespace drupe

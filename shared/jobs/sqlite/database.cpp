@@ -32,7 +32,9 @@ Result<int> LockOwnership(const std::filesystem::path& database_file) {
   ::close(fd);
   if (error != EWOULDBLOCK) return StatusFromErrno(error, "lock", lock_file);
   return Status(StatusKind::kUnavailable, "database_in_use",
-                database_file.string() + " belongs to another running process; stop it, or choose another --data");
+                database_file.string() +
+                    " belongs to another running process; stop it, choose another --data, or share the "
+                    "jobs through PostgreSQL (--jobs-url)");
 }
 
 }  // namespace
@@ -63,33 +65,10 @@ Status SqliteDatabase::Configure() {
                              "PRAGMA temp_store=MEMORY", "PRAGMA trusted_schema=OFF"}) {
     DRUPE_RETURN_IF_ERROR(Execute(pragma));
   }
-  return Transaction(SqliteDurability::kPowerCut, [&] {
-    return Execute("CREATE TABLE IF NOT EXISTS schema_versions (component TEXT PRIMARY KEY, version INTEGER NOT NULL)");
-  });
+  return Status::Ok();
 }
 
-Status SqliteDatabase::Migrate(std::string_view component, const SqliteMigrations& migrations) {
-  return Transaction(SqliteDurability::kPowerCut, [&]() -> Status {
-    std::int64_t version = 0;
-    {
-      DRUPE_ASSIGN_OR_RETURN(const auto query, Prepare("SELECT version FROM schema_versions WHERE component = ?"));
-      DRUPE_ASSIGN_OR_RETURN(const bool known, query->Bind(component).Step());
-      if (known) version = query->Int(0);
-    }
-    const auto newest = static_cast<std::int64_t>(migrations.size());
-    if (version > newest) {
-      return Internal("database_newer", "the tables of " + std::string(component) + " have version " +
-                                            std::to_string(version) + "; this program knows " + std::to_string(newest));
-    }
-    for (; version < newest; ++version) {
-      DRUPE_RETURN_IF_ERROR(Execute(migrations[static_cast<std::size_t>(version)]));
-    }
-    DRUPE_ASSIGN_OR_RETURN(const auto update, Prepare("INSERT OR REPLACE INTO schema_versions VALUES (?, ?)"));
-    return update->Bind(component).Bind(newest).Run();
-  });
-}
-
-Status SqliteDatabase::Transaction(SqliteDurability durability, const std::function<Status()>& body) {
+Status SqliteDatabase::Transaction(Durability durability, const std::function<Status()>& body) {
   const std::lock_guard lock(mutex_);
   DRUPE_RETURN_IF_ERROR(broken_);
   DRUPE_RETURN_IF_ERROR(SetDurability(durability));
@@ -106,15 +85,15 @@ Status SqliteDatabase::Transaction(SqliteDurability durability, const std::funct
   return outcome;
 }
 
-Status SqliteDatabase::SetDurability(SqliteDurability durability) {
+Status SqliteDatabase::SetDurability(Durability durability) {
   if (durability == durability_) return Status::Ok();
-  const bool sync = durability == SqliteDurability::kPowerCut;
+  const bool sync = durability == Durability::kPowerCut;
   DRUPE_RETURN_IF_ERROR(Execute(sync ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL"));
   durability_ = durability;
   return Status::Ok();
 }
 
-Result<std::unique_ptr<SqliteStatement>> SqliteDatabase::Prepare(std::string_view sql) {
+Result<std::unique_ptr<Statement>> SqliteDatabase::Prepare(std::string_view sql) {
   sqlite3_stmt*& statement = statements_[std::string(sql)];
   if (statement == nullptr) {
     constexpr unsigned kFlags = SQLITE_PREPARE_PERSISTENT;
@@ -123,20 +102,12 @@ Result<std::unique_ptr<SqliteStatement>> SqliteDatabase::Prepare(std::string_vie
       return StatusFromSqlite(connection_, sql);
     }
   }
-  return std::make_unique<SqliteStatement>(connection_, statement);
+  return std::unique_ptr<Statement>(std::make_unique<SqliteStatement>(connection_, statement));
 }
 
 Status SqliteDatabase::Execute(std::string_view sql) {
   if (sqlite3_exec(connection_, std::string(sql).c_str(), nullptr, nullptr, nullptr) == SQLITE_OK) return Status::Ok();
   return StatusFromSqlite(connection_, sql);
-}
-
-int SqliteDatabase::Changes() const {
-  return sqlite3_changes(connection_);
-}
-
-std::int64_t SqliteDatabase::LastRowId() const {
-  return sqlite3_last_insert_rowid(connection_);
 }
 
 }  // namespace drupe

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kPowerCut = SqliteDurability::kPowerCut;
+constexpr auto kPowerCut = Durability::kPowerCut;
 
 class SqliteDatabaseTest : public testing::Test {
  protected:

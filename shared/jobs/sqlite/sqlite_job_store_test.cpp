@@ -1,4 +1,5 @@
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sql/sql_job_store.h"
+#include "jobs/sqlite/database.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -29,7 +30,7 @@ class SqliteUnderTest : public JobStoreUnderTest {
  public:
   explicit SqliteUnderTest(const JobStoreOptions& options)
       : database_(SqliteDatabase::Open(directory_.path() / "jobs.db").value()),
-        store_(OpenSqliteJobStore(*database_, options, clock_).value()) {}
+        store_(OpenJobStore(*database_, options, clock_).value()) {}
   JobStore& store() override { return *store_; }
 
  private:
@@ -42,6 +43,10 @@ class SqliteUnderTest : public JobStoreUnderTest {
 
 std::unique_ptr<JobStoreUnderTest> MakeJobStoreUnderTest(const JobStoreOptions& options) {
   return std::make_unique<SqliteUnderTest>(options);
+}
+
+std::string WhyNoJobStoreUnderTest() {
+  return "";
 }
 
 namespace {
@@ -65,7 +70,7 @@ class SqliteJobStoreTest : public testing::Test {
     store_.reset();
     database_.reset();
     database_ = SqliteDatabase::Open(directory_.path() / "jobs.db").value();
-    store_ = OpenSqliteJobStore(*database_, {}, clock_).value();
+    store_ = OpenJobStore(*database_, {}, clock_).value();
   }
 
   FakeClock clock_;

@@ -13,24 +13,24 @@ SqliteStatement::~SqliteStatement() {
   sqlite3_clear_bindings(statement_);
 }
 
-SqliteStatement& SqliteStatement::Bind(std::string_view text) {
+Statement& SqliteStatement::Bind(std::string_view text) {
   // A null pointer would bind NULL.
   const char* data = text.empty() ? "" : text.data();
   bind_error_ |= sqlite3_bind_text64(statement_, next_parameter_++, data, text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   return *this;
 }
 
-SqliteStatement& SqliteStatement::Bind(std::int64_t number) {
+Statement& SqliteStatement::Bind(std::int64_t number) {
   bind_error_ |= sqlite3_bind_int64(statement_, next_parameter_++, number);
   return *this;
 }
 
-SqliteStatement& SqliteStatement::Bind(double number) {
+Statement& SqliteStatement::Bind(double number) {
   bind_error_ |= sqlite3_bind_double(statement_, next_parameter_++, number);
   return *this;
 }
 
-SqliteStatement& SqliteStatement::BindNull() {
+Statement& SqliteStatement::BindNull() {
   bind_error_ |= sqlite3_bind_null(statement_, next_parameter_++);
   return *this;
 }
@@ -41,11 +41,6 @@ Result<bool> SqliteStatement::Step() {
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
   return StatusFromSqlite(connection_, sqlite3_sql(statement_));
-}
-
-Status SqliteStatement::Run() {
-  DRUPE_ASSIGN_OR_RETURN(const bool row, Step());
-  return row ? Internal("database_failed", "a statement returned rows that nobody reads") : Status::Ok();
 }
 
 std::string SqliteStatement::Text(int column) const {

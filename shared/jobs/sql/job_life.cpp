@@ -1,18 +1,30 @@
-#include "jobs/sqlite/job_life.h"
+#include "jobs/sql/job_life.h"
 
 #include <limits>
 #include <string>
 
 namespace drupe {
 
-Result<JobRow> JobLife::Find(std::string_view id) {
-  DRUPE_ASSIGN_OR_RETURN(std::optional<JobRow> row, rows_.FindById(id));
-  if (!row) return NotFound("job_not_found", "there is no job " + std::string(id));
-  return std::move(*row);
+namespace {
+
+Result<JobRow> Found(Result<std::optional<JobRow>> row, std::string_view id) {
+  if (!row.ok()) return row.status();
+  if (!row->has_value()) return NotFound("job_not_found", "there is no job " + std::string(id));
+  return std::move(**row);
 }
 
-Result<JobRow> JobLife::FindAttempt(std::string_view id, std::int64_t attempt) {
-  DRUPE_ASSIGN_OR_RETURN(JobRow row, Find(id));
+}  // namespace
+
+Result<JobRow> JobLife::Find(std::string_view id) {
+  return Found(rows_.FindById(id), id);
+}
+
+Result<JobRow> JobLife::Take(std::string_view id) {
+  return Found(rows_.TakeById(id), id);
+}
+
+Result<JobRow> JobLife::TakeAttempt(std::string_view id, std::int64_t attempt) {
+  DRUPE_ASSIGN_OR_RETURN(JobRow row, Take(id));
   if (row.job.state == JobState::kRunning && row.job.attempt == attempt) return row;
   return Status(StatusKind::kConflict, "stale_attempt",
                 "attempt " + std::to_string(attempt) + " of job " + row.job.id + " is over: the job is " +
@@ -55,7 +67,7 @@ Result<int> JobLife::RecoverRunning() {
 }
 
 Result<int> JobLife::FailAll(std::int64_t lease_before_ms, const JobError& error, Backoff backoff) {
-  DRUPE_ASSIGN_OR_RETURN(std::vector<JobRow> rows, rows_.FindExpired(lease_before_ms));
+  DRUPE_ASSIGN_OR_RETURN(std::vector<JobRow> rows, rows_.TakeExpired(lease_before_ms));
   for (JobRow& row : rows) DRUPE_RETURN_IF_ERROR(Fail(row, error, true, backoff));
   return static_cast<int>(rows.size());
 }

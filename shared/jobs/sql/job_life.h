@@ -6,7 +6,7 @@
 #include "base/clock.h"
 #include "base/status.h"
 #include "jobs/job_store.h"
-#include "jobs/sqlite/job_rows.h"
+#include "jobs/sql/job_rows.h"
 
 namespace drupe {
 
@@ -23,8 +23,10 @@ class JobLife {
 
   /// Errors: 404 `job_not_found`.
   Result<JobRow> Find(std::string_view id);
-  /// The row of a running attempt. Errors: 404 `job_not_found`, 409 `stale_attempt` when that attempt is over.
-  Result<JobRow> FindAttempt(std::string_view id, std::int64_t attempt);
+  /// As Find, to change it: nobody else changes it until the transaction ends.
+  Result<JobRow> Take(std::string_view id);
+  /// As Take, of a running attempt. Errors: 404 `job_not_found`, 409 `stale_attempt` when that attempt is over.
+  Result<JobRow> TakeAttempt(std::string_view id, std::int64_t attempt);
 
   /// Moves a job to `state`; `reason` goes into the history.
   Status Move(JobRow& row, JobState state, std::string_view reason);

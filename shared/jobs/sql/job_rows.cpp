@@ -1,4 +1,4 @@
-#include "jobs/sqlite/job_rows.h"
+#include "jobs/sql/job_rows.h"
 
 #include <limits>
 
@@ -7,8 +7,8 @@ namespace drupe {
 namespace {
 
 // States are stored as the numbers of JobState: 0 queued, 1 running, 2 succeeded, 3 failed, 4 cancelled.
-const SqliteMigrations& Migrations() {
-  static const SqliteMigrations kMigrations = {R"sql(
+const Migrations& Schema() {
+  static const Migrations kSchema = {R"sql(
     CREATE TABLE jobs (
       seq INTEGER PRIMARY KEY AUTOINCREMENT,
       id TEXT NOT NULL UNIQUE,
@@ -50,7 +50,7 @@ const SqliteMigrations& Migrations() {
       PRIMARY KEY (job, number)
     ) WITHOUT ROWID;
   )sql"};
-  return kMigrations;
+  return kSchema;
 }
 
 constexpr std::string_view kSelect =
@@ -65,7 +65,7 @@ std::string Select(std::string_view rest) {
 }
 
 /// The present row of a query that starts with kSelect.
-Result<JobRow> ReadRow(const SqliteStatement& row) {
+Result<JobRow> ReadRow(const Statement& row) {
   int column = 0;
   const auto text = [&] { return row.Text(column++); };
   const auto number = [&] { return row.Int(column++); };
@@ -102,7 +102,7 @@ Result<JobRow> ReadRow(const SqliteStatement& row) {
   return read;
 }
 
-void BindError(SqliteStatement& statement, const std::optional<JobError>& error) {
+void BindError(Statement& statement, const std::optional<JobError>& error) {
   if (error) {
     statement.Bind(error->code).Bind(error->message).Bind(error->field);
   } else {
@@ -113,20 +113,25 @@ void BindError(SqliteStatement& statement, const std::optional<JobError>& error)
 }  // namespace
 
 Status JobRows::Migrate() {
-  return database_.Migrate("jobs", Migrations());
+  return database_.Migrate("jobs", Schema());
 }
 
-Result<std::int64_t> JobRows::Insert(const Job& job) {
+Result<std::optional<std::int64_t>> JobRows::Insert(const Job& job) {
   DRUPE_ASSIGN_OR_RETURN(
       const auto insert,
       database_.Prepare("INSERT INTO jobs (id, kind, subject, payload, priority, idempotency_key, state, "
                         "cancel_requested, stage, progress, attempt, failures, max_attempts, worker, lease_until_ms, "
                         "available_at_ms, created_ms, started_ms, finished_ms) "
-                        "VALUES (?, ?, ?, ?, ?, ?, 0, 0, '', 0, 0, 0, ?, '', 0, ?, ?, 0, 0)"));
+                        "VALUES (?, ?, ?, ?, ?, ?, 0, 0, '', 0, 0, 0, ?, '', 0, ?, ?, 0, 0) "
+                        "ON CONFLICT (idempotency_key) DO NOTHING RETURNING seq"));
   insert->Bind(job.id).Bind(job.kind).Bind(job.subject).Bind(DumpJson(job.payload)).Bind(job.priority);
   job.idempotency_key.empty() ? insert->BindNull() : insert->Bind(job.idempotency_key);
-  DRUPE_RETURN_IF_ERROR(insert->Bind(job.max_attempts).Bind(job.available_at_ms).Bind(job.created_ms).Run());
-  return database_.LastRowId();
+  insert->Bind(job.max_attempts).Bind(job.available_at_ms).Bind(job.created_ms);
+  DRUPE_ASSIGN_OR_RETURN(const bool inserted, insert->Step());
+  if (!inserted) return std::optional<std::int64_t>();
+  const std::int64_t seq = insert->Int(0);
+  DRUPE_RETURN_IF_ERROR(insert->Run());  // SQLite inserts for good when the statement is done
+  return std::optional(seq);
 }
 
 Status JobRows::Update(const JobRow& row) {
@@ -149,20 +154,19 @@ Status JobRows::AddEvent(const JobRow& row, std::string_view reason, std::int64_
   DRUPE_ASSIGN_OR_RETURN(
       const auto insert,
       database_.Prepare("INSERT INTO job_events (job, number, at_ms, state, attempt, worker, reason) VALUES "
-                        "(?1, (SELECT COALESCE(MAX(number), 0) + 1 FROM job_events WHERE job = ?1), ?2, ?3, ?4, ?5, "
-                        "?6)"));
-  insert->Bind(row.seq).Bind(at_ms).Bind(static_cast<int>(row.job.state)).Bind(row.job.attempt);
+                        "(?, (SELECT COALESCE(MAX(number), 0) + 1 FROM job_events WHERE job = ?), ?, ?, ?, ?, ?)"));
+  insert->Bind(row.seq).Bind(row.seq).Bind(at_ms).Bind(static_cast<int>(row.job.state)).Bind(row.job.attempt);
   return insert->Bind(row.job.worker).Bind(reason).Run();
 }
 
-Result<std::optional<JobRow>> JobRows::FindOne(SqliteStatement& query) {
+Result<std::optional<JobRow>> JobRows::FindOne(Statement& query) {
   DRUPE_ASSIGN_OR_RETURN(const bool found, query.Step());
   if (!found) return std::optional<JobRow>();
   DRUPE_ASSIGN_OR_RETURN(JobRow row, ReadRow(query));
   return std::optional<JobRow>(std::move(row));
 }
 
-Result<std::vector<JobRow>> JobRows::FindAll(SqliteStatement& query) {
+Result<std::vector<JobRow>> JobRows::FindAll(Statement& query) {
   std::vector<JobRow> rows;
   for (;;) {
     DRUPE_ASSIGN_OR_RETURN(std::optional<JobRow> row, FindOne(query));
@@ -176,22 +180,31 @@ Result<std::optional<JobRow>> JobRows::FindById(std::string_view id) {
   return FindOne(query->Bind(id));
 }
 
+Result<std::optional<JobRow>> JobRows::TakeById(std::string_view id) {
+  DRUPE_ASSIGN_OR_RETURN(const auto query, database_.Prepare(Select("WHERE id = ?").append(database_.WaitForRows())));
+  return FindOne(query->Bind(id));
+}
+
 Result<std::optional<JobRow>> JobRows::FindByKey(std::string_view idempotency_key) {
   DRUPE_ASSIGN_OR_RETURN(const auto query, database_.Prepare(Select("WHERE idempotency_key = ?")));
   return FindOne(query->Bind(idempotency_key));
 }
 
-Result<std::optional<JobRow>> JobRows::FindClaimable(const std::vector<std::string>& kinds, std::int64_t now_ms) {
-  DRUPE_ASSIGN_OR_RETURN(
-      const auto query,
-      database_.Prepare(Select("WHERE state = 0 AND available_at_ms <= ? AND kind IN (SELECT value FROM json_each(?)) "
-                               "ORDER BY priority DESC, seq LIMIT 1")));
-  return FindOne(query->Bind(now_ms).Bind(DumpJson(Json(kinds))));
+Result<std::optional<JobRow>> JobRows::TakeClaimable(const std::vector<std::string>& kinds, std::int64_t now_ms) {
+  if (kinds.empty()) return std::optional<JobRow>();
+  std::string one_of = "?";
+  for (std::size_t i = 1; i < kinds.size(); ++i) one_of += ", ?";
+  const std::string condition =
+      "WHERE state = 0 AND available_at_ms <= ? AND kind IN (" + one_of + ") ORDER BY priority DESC, seq LIMIT 1";
+  DRUPE_ASSIGN_OR_RETURN(const auto query, database_.Prepare(Select(condition).append(database_.SkipTakenRows())));
+  query->Bind(now_ms);
+  for (const std::string& kind : kinds) query->Bind(kind);
+  return FindOne(*query);
 }
 
-Result<std::vector<JobRow>> JobRows::FindExpired(std::int64_t now_ms) {
-  DRUPE_ASSIGN_OR_RETURN(const auto query,
-                         database_.Prepare(Select("WHERE state = 1 AND lease_until_ms < ? ORDER BY seq")));
+Result<std::vector<JobRow>> JobRows::TakeExpired(std::int64_t now_ms) {
+  const std::string condition = "WHERE state = 1 AND lease_until_ms < ? ORDER BY seq";
+  DRUPE_ASSIGN_OR_RETURN(const auto query, database_.Prepare(Select(condition).append(database_.SkipTakenRows())));
   return FindAll(query->Bind(now_ms));
 }
 
@@ -232,6 +245,18 @@ Result<JobCounts> JobRows::Counts() {
     if (!found) return counts;
     *by_state[query->Int(0)] = query->Int(1);
     if (query->Int(0) == static_cast<int>(JobState::kQueued)) counts.oldest_queued_ms = query->Int(2);
+  }
+}
+
+Result<int> JobRows::DeleteEndedBefore(std::int64_t ended_ms, int limit) {
+  DRUPE_ASSIGN_OR_RETURN(
+      const auto remove,
+      database_.Prepare("DELETE FROM jobs WHERE seq IN (SELECT seq FROM jobs WHERE state >= 2 AND finished_ms < ? "
+                        "ORDER BY seq LIMIT ?) RETURNING seq"));
+  remove->Bind(ended_ms).Bind(limit);
+  for (int removed = 0;; ++removed) {
+    DRUPE_ASSIGN_OR_RETURN(const bool one_more, remove->Step());
+    if (!one_more) return removed;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "jobs/sqlite/sqlite_job_store.h"
+#include "jobs/sql/sql_job_store.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,8 +7,8 @@
 
 #include "base/ids.h"
 #include "base/log.h"
-#include "jobs/sqlite/job_life.h"
-#include "jobs/sqlite/job_rows.h"
+#include "jobs/sql/job_life.h"
+#include "jobs/sql/job_rows.h"
 
 namespace drupe {
 
@@ -46,15 +46,19 @@ Job NewJob(const JobSpec& spec, std::int64_t now_ms) {
   return job;
 }
 
-class SqliteJobStore : public JobStore {
+class SqlJobStore : public JobStore {
  public:
-  SqliteJobStore(SqliteDatabase& database, const JobStoreOptions& options, const Clock& clock)
+  SqlJobStore(Database& database, const JobStoreOptions& options, const Clock& clock)
       : database_(database), rows_(database), options_(options), clock_(clock), life_(rows_, options_, clock_) {}
+
+  ~SqlJobStore() override { database_.OnAnnouncement({}); }
 
   Status Open() {
     DRUPE_RETURN_IF_ERROR(options_.Check());
     DRUPE_RETURN_IF_ERROR(rows_.Migrate());
-    return Recover();
+    if (!database_.IsShared()) return Recover();
+    database_.OnAnnouncement([this] { changes_.Notify(); });
+    return Status::Ok();
   }
 
   Result<Job> Submit(const JobSpec& spec) override;
@@ -72,30 +76,34 @@ class SqliteJobStore : public JobStore {
   Result<Job> Cancel(std::string_view id) override;
   Result<Job> Retry(std::string_view id) override;
   Result<int> ExpireLeases() override;
+  Result<int> DeleteEndedBefore(std::int64_t ended_ms, int limit) override;
 
  private:
   /// Transaction that tells the waiters when it has changed something.
-  Status Change(SqliteDurability durability, const std::function<Status()>& body);
+  Status Change(Durability durability, const std::function<Status()>& body);
   /// Runs `end` on the row of a running attempt, durably.
   Status EndAttempt(std::string_view id, std::int64_t attempt, const std::function<Status(JobRow&)>& end);
   Result<Job> FindOrInsert(const JobSpec& spec);
   Status CheckSize(std::size_t bytes, std::string_view what) const;
   Status Recover();
 
-  SqliteDatabase& database_;
+  Database& database_;
   JobRows rows_;
   const JobStoreOptions options_;
   const Clock& clock_;
   JobLife life_;
 };
 
-Status SqliteJobStore::Change(SqliteDurability durability, const std::function<Status()>& body) {
-  DRUPE_RETURN_IF_ERROR(database_.Transaction(durability, body));
-  changes_.Notify();
-  return Status::Ok();
+Status SqlJobStore::Change(Durability durability, const std::function<Status()>& body) {
+  const Status changed = database_.Transaction(durability, [&] {
+    const Status done = body();
+    return done.ok() ? database_.Announce() : done;
+  });
+  if (changed.ok()) changes_.Notify();
+  return changed;
 }
 
-Status SqliteJobStore::CheckSize(std::size_t bytes, std::string_view what) const {
+Status SqlJobStore::CheckSize(std::size_t bytes, std::string_view what) const {
   if (bytes <= options_.max_payload_bytes) return Status::Ok();
   return {StatusKind::kTooLarge, std::string(what) + "_too_large",
           "the " + std::string(what) + " has " + std::to_string(bytes) + " bytes as JSON; the limit is " +
@@ -104,18 +112,18 @@ Status SqliteJobStore::CheckSize(std::size_t bytes, std::string_view what) const
 
 // ---- what a client asks
 
-Result<Job> SqliteJobStore::Submit(const JobSpec& spec) {
+Result<Job> SqlJobStore::Submit(const JobSpec& spec) {
   DRUPE_RETURN_IF_ERROR(spec.Check());
   DRUPE_RETURN_IF_ERROR(CheckSize(DumpJson(spec.payload).size(), "payload"));
   Job job;
-  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(Change(Durability::kPowerCut, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(job, FindOrInsert(spec));
     return Status::Ok();
   }));
   return job;
 }
 
-Result<Job> SqliteJobStore::FindOrInsert(const JobSpec& spec) {
+Result<Job> SqlJobStore::FindOrInsert(const JobSpec& spec) {
   if (!spec.idempotency_key.empty()) {
     DRUPE_ASSIGN_OR_RETURN(std::optional<JobRow> known, rows_.FindByKey(spec.idempotency_key));
     if (known) {
@@ -130,25 +138,28 @@ Result<Job> SqliteJobStore::FindOrInsert(const JobSpec& spec) {
                   std::to_string(queued) + " jobs are waiting; the limit is " + std::to_string(options_.max_queued));
   }
   JobRow row{.job = NewJob(spec, clock_.NowMs())};
-  DRUPE_ASSIGN_OR_RETURN(row.seq, rows_.Insert(row.job));
+  DRUPE_ASSIGN_OR_RETURN(const std::optional<std::int64_t> seq, rows_.Insert(row.job));
+  // Another process has used the key since it was looked for.
+  if (!seq) return FindOrInsert(spec);
+  row.seq = *seq;
   DRUPE_RETURN_IF_ERROR(rows_.AddEvent(row, "submitted", row.job.created_ms));
   return row.job;
 }
 
-Result<Job> SqliteJobStore::Get(std::string_view id) {
+Result<Job> SqlJobStore::Get(std::string_view id) {
   JobRow row;
-  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(row, life_.Find(id));
     return Status::Ok();
   }));
   return std::move(row.job);
 }
 
-Result<JobPage> SqliteJobStore::List(const JobFilter& filter, int limit, const std::string& cursor) {
+Result<JobPage> SqlJobStore::List(const JobFilter& filter, int limit, const std::string& cursor) {
   if (limit < 1 || limit > kMaxPage) return InvalidArgument("invalid_limit", "limit must be 1 to 1000", "limit");
   DRUPE_ASSIGN_OR_RETURN(const std::int64_t before, ParseCursor(cursor));
   std::vector<JobRow> rows;
-  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(rows, rows_.FindPage(filter, before, limit + 1));
     return Status::Ok();
   }));
@@ -159,9 +170,9 @@ Result<JobPage> SqliteJobStore::List(const JobFilter& filter, int limit, const s
   return page;
 }
 
-Result<std::vector<JobEvent>> SqliteJobStore::History(std::string_view id) {
+Result<std::vector<JobEvent>> SqlJobStore::History(std::string_view id) {
   std::vector<JobEvent> events;
-  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(const JobRow row, life_.Find(id));
     DRUPE_ASSIGN_OR_RETURN(events, rows_.Events(row.seq));
     return Status::Ok();
@@ -169,19 +180,19 @@ Result<std::vector<JobEvent>> SqliteJobStore::History(std::string_view id) {
   return events;
 }
 
-Result<JobCounts> SqliteJobStore::Counts() {
+Result<JobCounts> SqlJobStore::Counts() {
   JobCounts counts;
-  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(counts, rows_.Counts());
     return Status::Ok();
   }));
   return counts;
 }
 
-Result<Job> SqliteJobStore::Cancel(std::string_view id) {
+Result<Job> SqlJobStore::Cancel(std::string_view id) {
   JobRow row;
-  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(row, life_.Find(id));
+  DRUPE_RETURN_IF_ERROR(Change(Durability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(row, life_.Take(id));
     Job& job = row.job;
     if (job.state == JobState::kCancelled || job.cancel_requested) return Status::Ok();
     if (IsTerminal(job.state)) {
@@ -194,10 +205,10 @@ Result<Job> SqliteJobStore::Cancel(std::string_view id) {
   return std::move(row.job);
 }
 
-Result<Job> SqliteJobStore::Retry(std::string_view id) {
+Result<Job> SqlJobStore::Retry(std::string_view id) {
   JobRow row;
-  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(row, life_.Find(id));
+  DRUPE_RETURN_IF_ERROR(Change(Durability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(row, life_.Take(id));
     Job& job = row.job;
     if (job.state != JobState::kFailed && job.state != JobState::kCancelled) {
       return Conflict("job_not_ended", "only a failed or cancelled job can be tried again; " + std::string(id) +
@@ -216,15 +227,15 @@ Result<Job> SqliteJobStore::Retry(std::string_view id) {
 
 // ---- what a worker says
 
-// A claim need not survive a power cut: that takes the worker away with the claim, since both are on one machine.
-Result<std::optional<Job>> SqliteJobStore::Claim(const std::vector<std::string>& kinds, const std::string& worker,
-                                                 std::int64_t lease_ms) {
+// A claim need not survive a power cut of the worker's machine, which takes the worker away with the claim.
+Result<std::optional<Job>> SqlJobStore::Claim(const std::vector<std::string>& kinds, const std::string& worker,
+                                              std::int64_t lease_ms) {
   std::optional<JobRow> row;
   int expired = 0;
-  DRUPE_RETURN_IF_ERROR(database_.Transaction(SqliteDurability::kProcessDeath, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(expired, life_.ExpireLeases());
     const std::int64_t now = clock_.NowMs();
-    DRUPE_ASSIGN_OR_RETURN(row, rows_.FindClaimable(kinds, now));
+    DRUPE_ASSIGN_OR_RETURN(row, rows_.TakeClaimable(kinds, now));
     if (!row) return Status::Ok();
     Job& job = row->job;
     ++job.attempt;
@@ -233,16 +244,17 @@ Result<std::optional<Job>> SqliteJobStore::Claim(const std::vector<std::string>&
     job.lease_until_ms = now + lease_ms;
     job.stage.clear();
     job.progress = 0;
-    return life_.Move(*row, JobState::kRunning, "claimed");
+    const Status claimed = life_.Move(*row, JobState::kRunning, "claimed");
+    return claimed.ok() ? database_.Announce() : claimed;
   }));
   if (row || expired > 0) changes_.Notify();
   return row ? std::optional<Job>(std::move(row->job)) : std::nullopt;
 }
 
-Result<bool> SqliteJobStore::Beat(std::string_view id, std::int64_t attempt, const Heartbeat& heartbeat) {
+Result<bool> SqlJobStore::Beat(std::string_view id, std::int64_t attempt, const Heartbeat& heartbeat) {
   JobRow row;
-  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kProcessDeath, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(row, life_.FindAttempt(id, attempt));
+  DRUPE_RETURN_IF_ERROR(Change(Durability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(row, life_.TakeAttempt(id, attempt));
     row.job.stage = heartbeat.stage;
     row.job.progress = std::clamp(heartbeat.progress, 0.0, 1.0);
     row.job.lease_until_ms = clock_.NowMs() + heartbeat.lease_ms;
@@ -251,15 +263,14 @@ Result<bool> SqliteJobStore::Beat(std::string_view id, std::int64_t attempt, con
   return row.job.cancel_requested;
 }
 
-Status SqliteJobStore::EndAttempt(std::string_view id, std::int64_t attempt,
-                                  const std::function<Status(JobRow&)>& end) {
-  return Change(SqliteDurability::kPowerCut, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(JobRow row, life_.FindAttempt(id, attempt));
+Status SqlJobStore::EndAttempt(std::string_view id, std::int64_t attempt, const std::function<Status(JobRow&)>& end) {
+  return Change(Durability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(JobRow row, life_.TakeAttempt(id, attempt));
     return end(row);
   });
 }
 
-Status SqliteJobStore::Complete(std::string_view id, std::int64_t attempt, const Json& result) {
+Status SqlJobStore::Complete(std::string_view id, std::int64_t attempt, const Json& result) {
   DRUPE_RETURN_IF_ERROR(CheckSize(DumpJson(result).size(), "result"));
   return EndAttempt(id, attempt, [&](JobRow& row) {
     row.job.result = result;
@@ -269,15 +280,15 @@ Status SqliteJobStore::Complete(std::string_view id, std::int64_t attempt, const
   });
 }
 
-Status SqliteJobStore::Fail(std::string_view id, std::int64_t attempt, const JobError& error, bool retryable) {
+Status SqlJobStore::Fail(std::string_view id, std::int64_t attempt, const JobError& error, bool retryable) {
   return EndAttempt(id, attempt, [&](JobRow& row) { return life_.Fail(row, error, retryable, Backoff::kYes); });
 }
 
-Status SqliteJobStore::MarkCancelled(std::string_view id, std::int64_t attempt) {
+Status SqlJobStore::MarkCancelled(std::string_view id, std::int64_t attempt) {
   return EndAttempt(id, attempt, [&](JobRow& row) { return life_.Move(row, JobState::kCancelled, "cancelled"); });
 }
 
-Status SqliteJobStore::Release(std::string_view id, std::int64_t attempt) {
+Status SqlJobStore::Release(std::string_view id, std::int64_t attempt) {
   return EndAttempt(id, attempt, [&](JobRow& row) {
     if (row.job.cancel_requested) return life_.Move(row, JobState::kCancelled, "cancelled");
     row.job.available_at_ms = clock_.NowMs();
@@ -287,18 +298,27 @@ Status SqliteJobStore::Release(std::string_view id, std::int64_t attempt) {
 
 // ---- what time and crashes do
 
-Result<int> SqliteJobStore::ExpireLeases() {
+Result<int> SqlJobStore::ExpireLeases() {
   int expired = 0;
-  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(Change(Durability::kPowerCut, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(expired, life_.ExpireLeases());
     return Status::Ok();
   }));
   return expired;
 }
 
-Status SqliteJobStore::Recover() {
+Result<int> SqlJobStore::DeleteEndedBefore(std::int64_t ended_ms, int limit) {
+  int deleted = 0;
+  DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(deleted, rows_.DeleteEndedBefore(ended_ms, limit));
+    return Status::Ok();
+  }));
+  return deleted;
+}
+
+Status SqlJobStore::Recover() {
   int recovered = 0;
-  DRUPE_RETURN_IF_ERROR(Change(SqliteDurability::kPowerCut, [&]() -> Status {
+  DRUPE_RETURN_IF_ERROR(Change(Durability::kPowerCut, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(recovered, life_.RecoverRunning());
     return Status::Ok();
   }));
@@ -308,9 +328,12 @@ Status SqliteJobStore::Recover() {
 
 }  // namespace
 
-Result<std::unique_ptr<JobStore>> OpenSqliteJobStore(SqliteDatabase& database, const JobStoreOptions& options,
-                                                     const Clock& clock) {
-  auto store = std::make_unique<SqliteJobStore>(database, options, clock);
+Result<std::unique_ptr<JobStore>> OpenJobStore(Database& database, const JobStoreOptions& options) {
+  return OpenJobStore(database, options, database.clock());
+}
+
+Result<std::unique_ptr<JobStore>> OpenJobStore(Database& database, const JobStoreOptions& options, const Clock& clock) {
+  auto store = std::make_unique<SqlJobStore>(database, options, clock);
   DRUPE_RETURN_IF_ERROR(store->Open());
   return std::unique_ptr<JobStore>(std::move(store));
 }
