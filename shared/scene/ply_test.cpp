@@ -13,6 +13,7 @@ PointCloud TwoPoints() {
   cloud.positions = {{1, 2, 3}, {-4, 5.5f, 6}};
   cloud.normals = {{0, 0, 1}, {0, 1, 0}};
   cloud.colours = {{10, 20, 30}, {255, 0, 128}};
+  cloud.raw_colours = {{11, 22, 33}, {0, 255, 127}};
   cloud.view_counts = {3, 9};
   cloud.ncc = {0.75f, 0.5f};
   cloud.expected_error = {0.01f, 0.02f};
@@ -32,6 +33,7 @@ TEST(PlyTest, KeepsEveryAttribute) {
   EXPECT_EQ(read->positions, cloud.positions);
   EXPECT_EQ(read->normals, cloud.normals);
   EXPECT_EQ(read->colours, cloud.colours);
+  EXPECT_EQ(read->raw_colours, cloud.raw_colours);
   EXPECT_EQ(read->view_counts, cloud.view_counts);
   EXPECT_EQ(read->ncc, cloud.ncc);
   EXPECT_EQ(read->expected_error, cloud.expected_error);

@@ -2,14 +2,20 @@
 
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
+#include "reconstruction/dense/duplicates.h"
 
 namespace drupe::dense {
 
 namespace {
 
-constexpr double kSeamSlack = 0.9998;  ///< lets the strips of two views overlap by a hair rather than gape
+/// The points of one view, and those of them that lie near its strip's border (indices in `cloud`).
+struct ViewPoints {
+  PointCloud cloud;
+  std::vector<SeamPoint> seam;
+};
 
 /// Standard uncertainty along the normal.
 float NormalError(const DenseView& view, const SurfaceElement& element, float unit, const PatchCell& cell) {
@@ -19,16 +25,22 @@ float NormalError(const DenseView& view, const SurfaceElement& element, float un
 }
 
 void CollectView(const LevelContext& fine, const PatchMap& map, const LevelContext& coarse,
-                 const std::vector<PatchMap>& coarse_maps, int view, PointCloud* cloud) {
+                 const std::vector<PatchMap>& coarse_maps, int view, ViewPoints* points) {
   const DenseScene& scene = *fine.scene;
+  PointCloud* cloud = &points->cloud;
   for (int row = 0; row < map.rows; ++row) {
     for (int col = 0; col < map.cols; ++col) {
       const PatchCell& cell = map.At(col, row);
-      if (!cell.Filled() || IsBlack(fine, view, map.Pixel(col), map.Pixel(row))) continue;
+      if (!cell.Filled() || IsBackground(fine, view, map.Pixel(col), map.Pixel(row))) continue;
       const SurfaceElement element =
           ToWorld(scene.views[view], fine.cameras[view], map.Pixel(col), map.Pixel(row), cell);
       if (!scene.region.Contains(element.position)) continue;
-      if (!OwnsElement(coarse, view, coarse_maps, element, kSeamSlack)) continue;
+      const double lead = OwnerLead(coarse, view, coarse_maps, element);
+      if (lead < -kSeamOverlap) continue;
+      if (lead < 3 * kSeamOverlap) {
+        points->seam.push_back({static_cast<std::uint32_t>(cloud->size()), view, static_cast<float>(lead),
+                                static_cast<float>(map.csize / (cell.w * fine.cameras[view].fx))});
+      }
       cloud->positions.push_back(element.position.cast<float>());
       cloud->normals.push_back(element.normal.cast<float>());
       cloud->view_counts.push_back(static_cast<std::uint8_t>(std::popcount(cell.views) + 1));
@@ -39,8 +51,40 @@ void CollectView(const LevelContext& fine, const PatchMap& map, const LevelConte
 }
 
 template <typename T>
-void Append(const std::vector<T>& from, std::vector<T>* to) {
-  to->insert(to->end(), from.begin(), from.end());
+void AppendKept(const std::vector<T>& from, const std::vector<std::uint8_t>& stays, std::size_t first,
+                std::vector<T>* to) {
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (stays[first + i]) to->push_back(from[i]);
+  }
+}
+
+/// The points of all views that are not double.
+AssembledCloud Join(std::vector<ViewPoints>* parts) {
+  PointCloud places;  // positions alone, which is all that MarkDistinct looks at
+  std::vector<SeamPoint> seam;
+  for (const ViewPoints& part : *parts) {
+    const auto first = static_cast<std::uint32_t>(places.size());
+    for (SeamPoint point : part.seam) {
+      point.index += first;
+      seam.push_back(point);
+    }
+    places.positions.insert(places.positions.end(), part.cloud.positions.begin(), part.cloud.positions.end());
+  }
+  const std::vector<std::uint8_t> stays = MarkDistinct(places, std::move(seam));
+  AssembledCloud result;
+  std::size_t first = 0;
+  for (std::size_t view = 0; view < parts->size(); ++view) {
+    PointCloud& part = (*parts)[view].cloud;
+    AppendKept(part.positions, stays, first, &result.cloud.positions);
+    AppendKept(part.normals, stays, first, &result.cloud.normals);
+    AppendKept(part.view_counts, stays, first, &result.cloud.view_counts);
+    AppendKept(part.ncc, stays, first, &result.cloud.ncc);
+    AppendKept(part.expected_error, stays, first, &result.cloud.expected_error);
+    result.owners.resize(result.cloud.size(), static_cast<int>(view));
+    first += part.size();
+    part = PointCloud();
+  }
+  return result;
 }
 
 }  // namespace
@@ -48,22 +92,12 @@ void Append(const std::vector<T>& from, std::vector<T>* to) {
 Result<AssembledCloud> AssembleCloud(const LevelContext& fine, const std::function<PatchMap(int view)>& fine_map,
                                      const LevelContext& coarse, const std::vector<PatchMap>& coarse_maps,
                                      const RunContext& run) {
-  std::vector<PointCloud> parts(coarse_maps.size());
+  std::vector<ViewPoints> parts(coarse_maps.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, parts.size(), [&](std::size_t view) {
     const int index = static_cast<int>(view);
     CollectView(fine, fine_map(index), coarse, coarse_maps, index, &parts[view]);
   }));
-  AssembledCloud result;
-  for (std::size_t view = 0; view < parts.size(); ++view) {
-    Append(parts[view].positions, &result.cloud.positions);
-    Append(parts[view].normals, &result.cloud.normals);
-    Append(parts[view].view_counts, &result.cloud.view_counts);
-    Append(parts[view].ncc, &result.cloud.ncc);
-    Append(parts[view].expected_error, &result.cloud.expected_error);
-    result.owners.insert(result.owners.end(), parts[view].size(), static_cast<int>(view));
-    parts[view] = PointCloud();
-  }
-  return result;
+  return Join(&parts);
 }
 
 }  // namespace drupe::dense

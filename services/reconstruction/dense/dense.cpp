@@ -10,6 +10,7 @@
 #include "reconstruction/dense/expansion.h"
 #include "reconstruction/dense/point_colours.h"
 #include "reconstruction/dense/prediction.h"
+#include "reconstruction/dense/progress_span.h"
 #include "reconstruction/dense/scene_loader.h"
 #include "reconstruction/dense/surface_fit.h"
 #include "reconstruction/dense/visibility.h"
@@ -24,9 +25,12 @@ constexpr int kCoarseCsize = 2;          ///< of all levels above the finest
 constexpr float kSeedSlopeSigma = 0.5f;  ///< pixels of parallax a pixel: seeds know little of the normal
 constexpr float kRefineSlopeSigma = 0.05f;
 constexpr float kLeastPriorSigma = 0.03f, kLargestPriorSigma = 1.0f;  ///< pixels of parallax
-constexpr double kOwnedSlack = 0.99;  ///< work around the strip that a view owns, which the surface fit needs
-constexpr int kFitRadius = 5;         ///< cells of a level above the finest
-constexpr int kFinestFitRadius = 8;   ///< cells of the finest level
+constexpr int kFitRadius = 5;                                         ///< cells of a level above the finest
+constexpr int kFinestFitRadius = 8;                                   ///< cells of the finest level
+constexpr int kFitMargin = kFinestFitRadius / kCoarseCsize / 2;       ///< that radius in cells of the level above
+
+// The stage's progress after the steps, about their shares of the time.
+constexpr double kGrownShare = 0.2, kCoarseShare = 0.4;
 
 /// One level's state: what it is about and the patches of all views.
 struct LevelState {
@@ -42,7 +46,8 @@ SurfaceFitSettings FitSettings(const DenseOptions& options, int radius) {
 }
 
 Status SmoothMaps(const RunContext& run, const SurfaceFitSettings& settings, std::vector<PatchMap>* maps) {
-  return ParallelFor(run, maps->size(), [&](std::size_t view) { (*maps)[view] = FitSurface((*maps)[view], settings); });
+  return ParallelFor(run, maps->size(),
+                     [&](std::size_t view) { (*maps)[view] = FitSurface((*maps)[view], settings, run.cancelled); });
 }
 
 /// What every level above the finest goes through after its patches were found.
@@ -54,12 +59,14 @@ Status Consolidate(const RunContext& run, LevelState* state) {
 
 Result<LevelState> GrowCoarsest(const DenseScene& scene, int level, const RunContext& run) {
   LevelState state{MakeLevelContext(scene, level, kCoarseCsize), std::vector<PatchMap>(scene.views.size())};
+  ProgressSpan progress(run, kLoadedShare, kGrownShare, static_cast<double>(state.maps.size()));
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, state.maps.size(), [&](std::size_t i) {
     const int view = static_cast<int>(i);
     PatchMap map = state.context.EmptyMap(view);
-    PlaceGuesses(state.context, view, SeedGuesses(state.context, view, map), kSeedSlopeSigma, &map);
+    PlaceGuesses(state.context, view, SeedGuesses(state.context, view, map), kSeedSlopeSigma, run.cancelled, &map);
     Expand(state.context, view, run.cancelled, &map);
     state.maps[i] = std::move(map);
+    progress.Add(1);
   }));
   DRUPE_RETURN_IF_ERROR(Consolidate(run, &state));
   return state;
@@ -67,33 +74,40 @@ Result<LevelState> GrowCoarsest(const DenseScene& scene, int level, const RunCon
 
 /// The view's patches at the level of `context` from those of the level above; `wanted` as in PredictGuesses.
 PatchMap RefineMap(const LevelContext& context, int view, const PatchMap& coarse,
-                   const std::vector<std::uint8_t>& wanted) {
+                   const std::vector<std::uint8_t>& wanted, const RunContext& run) {
   PatchMap map = context.EmptyMap(view);
   std::vector<PatchGuess> guesses = PredictGuesses(coarse, wanted, map);
+  const auto window_px = static_cast<float>(context.scene->options->wsize);
   for (PatchGuess& guess : guesses) {
+    guess.plane.w += PlaneBias(guess.plane, window_px);  // as this level's planes will lie
     guess.plane.sigma = std::clamp(guess.plane.sigma, kLeastPriorSigma, kLargestPriorSigma);
   }
-  PlaceGuesses(context, view, guesses, kRefineSlopeSigma, &map);
+  PlaceGuesses(context, view, guesses, kRefineSlopeSigma, run.cancelled, &map);
   KeepGuesses(guesses, &map);
   return map;
 }
 
-Result<LevelState> RefineWhole(const LevelState& coarse, const RunContext& run) {
+/// The level below `coarse`, refined and grown further. `from` and `to` are its part of the stage's progress.
+Result<LevelState> RefineWhole(const LevelState& coarse, double from, double to, const RunContext& run) {
   LevelState state{MakeLevelContext(*coarse.context.scene, coarse.context.level - 1, kCoarseCsize),
                    std::vector<PatchMap>(coarse.maps.size())};
+  ProgressSpan progress(run, from, to, static_cast<double>(state.maps.size()));
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, state.maps.size(), [&](std::size_t i) {
     const int view = static_cast<int>(i);
-    state.maps[i] = RefineMap(state.context, view, coarse.maps[i], {});
+    state.maps[i] = RefineMap(state.context, view, coarse.maps[i], {}, run);
     Expand(state.context, view, run.cancelled, &state.maps[i]);
+    progress.Add(1);
   }));
   DRUPE_RETURN_IF_ERROR(Consolidate(run, &state));
   return state;
 }
 
+std::int64_t CountOwned(const std::vector<std::uint8_t>& flags) {
+  return std::count(flags.begin(), flags.end(), 1);
+}
+
 /// The least csize >= the option's for which the owned cells stay within max_points.
-int FinestCsize(const LevelState& coarse, const std::vector<std::vector<std::uint8_t>>& owned) {
-  std::int64_t cells = 0;
-  for (const auto& flags : owned) cells += std::count(flags.begin(), flags.end(), 1);
+int FinestCsize(const LevelState& coarse, std::int64_t cells) {
   const DenseOptions& options = *coarse.context.scene->options;
   const std::int64_t pixels = cells * (2 * kCoarseCsize) * (2 * kCoarseCsize);
   int csize = options.csize;
@@ -106,12 +120,17 @@ Result<AssembledCloud> RefineOwned(const LevelState& coarse, const RunContext& r
   const DenseScene& scene = *coarse.context.scene;
   std::vector<std::vector<std::uint8_t>> owned(coarse.maps.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, owned.size(), [&](std::size_t view) {
-    owned[view] = OwnedCells(coarse.context, static_cast<int>(view), coarse.maps, kOwnedSlack);
+    owned[view] = OwnedCells(coarse.context, static_cast<int>(view), coarse.maps, -kSeamOverlap, kFitMargin);
   }));
-  const LevelContext fine = MakeLevelContext(scene, coarse.context.level - 1, FinestCsize(coarse, owned));
+  std::int64_t cells = 0;
+  for (const auto& flags : owned) cells += CountOwned(flags);
+  const LevelContext fine = MakeLevelContext(scene, coarse.context.level - 1, FinestCsize(coarse, cells));
+  ProgressSpan progress(run, kCoarseShare, kAssembledShare, static_cast<double>(cells));
   const auto fine_map = [&](int view) {
-    const PatchMap map = RefineMap(fine, view, coarse.maps[view], owned[view]);
-    return FitSurface(map, FitSettings(*scene.options, kFinestFitRadius));
+    const PatchMap map = RefineMap(fine, view, coarse.maps[view], owned[view], run);
+    PatchMap fitted = FitSurface(map, FitSettings(*scene.options, kFinestFitRadius), run.cancelled);
+    progress.Add(static_cast<double>(CountOwned(owned[view])));
+    return fitted;
   };
   return AssembleCloud(fine, fine_map, coarse.context, coarse.maps, run);
 }
@@ -119,18 +138,18 @@ Result<AssembledCloud> RefineOwned(const LevelState& coarse, const RunContext& r
 Result<PointCloud> Reconstruct(const DenseInput& input, const DenseOptions& options, const RunContext& run) {
   LevelPlan plan;
   DRUPE_ASSIGN_OR_RETURN(const DenseScene scene, LoadScene(input, options, run, &plan));
-  run.Report("dense", 0.2);
   DRUPE_ASSIGN_OR_RETURN(LevelState coarse, GrowCoarsest(scene, plan.coarsest, run));
-  run.Report("dense", 0.3);
+  double share = kGrownShare;
   while (coarse.context.level > plan.finest + 1) {
-    DRUPE_ASSIGN_OR_RETURN(coarse, RefineWhole(coarse, run));
-    run.Report("dense", 0.5);
+    // Every level has four times the pixels of the one above it.
+    const double next = kCoarseShare - (kCoarseShare - share) * (coarse.context.level > plan.finest + 2 ? 0.75 : 0);
+    DRUPE_ASSIGN_OR_RETURN(coarse, RefineWhole(coarse, share, next, run));
+    share = next;
   }
   DRUPE_ASSIGN_OR_RETURN(AssembledCloud assembled, RefineOwned(coarse, run));
   if (assembled.cloud.empty()) {
     return Unprocessable("no_dense_points", "no surface was found on which enough pictures agree");
   }
-  run.Report("dense", 0.9);
   const bool lamps_stand_still = input.model->scale_source == ScaleSource::kBoard;
   DRUPE_RETURN_IF_ERROR(
       ColourPoints(coarse.context, coarse.maps, assembled.owners, lamps_stand_still, run, &assembled.cloud));

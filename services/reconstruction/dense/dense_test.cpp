@@ -78,6 +78,7 @@ TEST(DenseTest, FillsEveryAttribute) {
   const PointCloud& cloud = BallCloud();
   ASSERT_EQ(cloud.normals.size(), cloud.size());
   ASSERT_EQ(cloud.colours.size(), cloud.size());
+  ASSERT_EQ(cloud.raw_colours.size(), cloud.size());
   ASSERT_EQ(cloud.view_counts.size(), cloud.size());
   ASSERT_EQ(cloud.ncc.size(), cloud.size());
   ASSERT_EQ(cloud.expected_error.size(), cloud.size());
@@ -106,6 +107,37 @@ TEST(DenseTest, StopsWhenCancelled) {
   context.cancelled = [&] { return stop.load(); };
   const Result<PointCloud> cloud = RunDense(InputOf(Ball()), DenseOptions(), context);
   EXPECT_EQ(cloud.status().kind(), StatusKind::kCancelled);
+}
+
+TEST(DenseTest, StopsSoonWhereverItIsCancelled) {
+  for (const double from : {0.0, 0.16, 0.5, 0.9}) {
+    std::atomic<std::int64_t> asked_ms = 0;
+    RunContext context;
+    context.threads = 1;
+    context.progress = [&](std::string_view, double done) {
+      if (done >= from && asked_ms == 0) asked_ms = Clock::System().NowMs();
+    };
+    context.cancelled = [&] { return asked_ms != 0; };
+    const Result<PointCloud> cloud = RunDense(InputOf(Ball()), DenseOptions(), context);
+    const std::int64_t took_ms = Clock::System().NowMs() - asked_ms;
+    EXPECT_EQ(cloud.status().kind(), StatusKind::kCancelled) << from;
+    EXPECT_LT(took_ms, 1000) << from;
+  }
+}
+
+TEST(DenseTest, ReportsProgressThatOnlyGrows) {
+  double last = 0;
+  int reports = 0;
+  RunContext context;
+  context.progress = [&](std::string_view stage, double done) {
+    EXPECT_EQ(stage, "dense");
+    EXPECT_GE(done, last);
+    last = done;
+    ++reports;
+  };
+  ASSERT_TRUE(RunDense(InputOf(Ball()), DenseOptions(), context).ok());
+  EXPECT_EQ(last, 1.0);
+  EXPECT_GT(reports, 30);
 }
 
 TEST(DenseTest, SaysWhyNothingCanBeDone) {

@@ -32,7 +32,7 @@ class GuessRefiner {
     const SampledImage& image = context_.frames[reference_].reference;
     const int margin = settings_.half + 1;
     if (u < margin || v < margin || u >= image.width - margin || v >= image.height - margin) return false;
-    if (!(guess.plane.w > 0) || IsBlack(context_, reference_, u, v)) return false;
+    if (!(guess.plane.w > 0) || IsBackground(context_, reference_, u, v)) return false;
     const SurfaceElement element =
         ToWorld(context_.scene->views[reference_], context_.cameras[reference_], u, v, guess.plane);
     const std::uint32_t facing = FacingNeighbours(*context_.scene, reference_, element);
@@ -55,7 +55,7 @@ class GuessRefiner {
     if (Empty()) return;
     RefinePatches(context_.frames[reference_], settings_, &batch_);
     for (int lane = 0; lane < batch_.count; ++lane) {
-      const PatchCell cell{batch_.w[lane],   batch_.wu[lane],    batch_.wv[lane],
+      const PatchCell cell{batch_.w[lane],   batch_.wu[lane],    batch_.wv[lane],   0,
                            batch_.ncc[lane], batch_.sigma[lane], batch_.views[lane]};
       if (batch_.moved[lane] > kFurthestMove) continue;
       if (IsAcceptable(context_, reference_, batch_.u[lane], batch_.v[lane], cell)) accept(cells_[lane], cell);
@@ -155,14 +155,16 @@ std::vector<PatchGuess> SeedGuesses(const LevelContext& context, int reference, 
 }
 
 void PlaceGuesses(const LevelContext& context, int reference, const std::vector<PatchGuess>& guesses, float slope_sigma,
-                  PatchMap* map) {
+                  const std::function<bool()>& cancelled, PatchMap* map) {
   GuessRefiner refiner(context, reference, slope_sigma);
   const auto keep_best = [map](int cell, const PatchCell& patch) {
     if (patch.ncc > map->cells[cell].ncc) map->cells[cell] = patch;
   };
   for (const PatchGuess& guess : guesses) {
     refiner.Add(*map, guess);
-    if (refiner.Full()) refiner.Flush(keep_best);
+    if (!refiner.Full()) continue;
+    if (cancelled && cancelled()) return;
+    refiner.Flush(keep_best);
   }
   refiner.Flush(keep_best);
 }

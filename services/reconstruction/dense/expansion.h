@@ -17,9 +17,10 @@ struct PatchGuess {
 std::vector<PatchGuess> SeedGuesses(const LevelContext& context, int reference, const PatchMap& map);
 
 /// Refines the guesses in order and keeps in each cell the acceptable patch with the best NCC. A guess is
-/// trusted as far as the sigma of its plane and `slope_sigma` (both pixels of parallax, the latter a pixel) say.
+/// trusted as far as the sigma of its plane and `slope_sigma` (both pixels of parallax, the latter a pixel) say. Stops
+/// early when `cancelled`.
 void PlaceGuesses(const LevelContext& context, int reference, const std::vector<PatchGuess>& guesses, float slope_sigma,
-                  PatchMap* map);
+                  const std::function<bool()>& cancelled, PatchMap* map);
 
 /// Puts every guess into its cell where that is empty: the surface is known from coarser levels or other views, though
 /// this level's pixels (too little texture, a highlight) do not confirm it.

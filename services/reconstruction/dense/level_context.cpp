@@ -57,10 +57,12 @@ std::uint32_t FacingNeighbours(const DenseScene& scene, int reference, const Sur
   return bits;
 }
 
-bool IsBlack(const LevelContext& context, int reference, int u, int v) {
+bool IsBackground(const LevelContext& context, int reference, int u, int v) {
   constexpr std::uint32_t kBlack = 14 * 256;  // grey levels, as luma is stored
   const SampledImage& image = context.frames[reference].reference;
-  return (image.pairs[static_cast<std::ptrdiff_t>(v) * image.stride + u] & 0xFFFF) < kBlack;
+  if ((image.pairs[static_cast<std::ptrdiff_t>(v) * image.stride + u] & 0xFFFF) < kBlack) return true;
+  const double scale = std::ldexp(1.0, context.level);
+  return context.scene->silhouettes[reference].IsBackground((u + 0.5) * scale - 0.5, (v + 0.5) * scale - 0.5);
 }
 
 bool IsAcceptable(const LevelContext& context, int reference, double u, double v, const PatchCell& cell) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "reconstruction/dense/background.h"
 #include "reconstruction/dense/dense.h"
 #include "reconstruction/dense/patch_map.h"
 #include "reconstruction/dense/patch_refiner.h"
@@ -18,6 +19,7 @@ struct DenseScene {
   RegionOfInterest region;
   std::vector<DenseView> views;              ///< the registered views that see the region
   std::vector<std::vector<int>> neighbours;  ///< per view, indices in `views`
+  std::vector<Silhouette> silhouettes;       ///< per view
   double typical_depth = 1;
 };
 
@@ -39,8 +41,8 @@ LevelContext MakeLevelContext(const DenseScene& scene, int level, int csize);
 /// k-th neighbour; 0 also when the reference itself sees it at more than 80 degrees.
 std::uint32_t FacingNeighbours(const DenseScene& scene, int reference, const SurfaceElement& element);
 
-/// True where the reference is too dark to show a surface: the black background of a studio.
-bool IsBlack(const LevelContext& context, int reference, int u, int v);
+/// True where the reference shows background, or is too dark to show a surface. (u, v) in pixels of the level.
+bool IsBackground(const LevelContext& context, int reference, int u, int v);
 
 /// True when a refined patch is photo-consistent: enough views under a sufficient angle, mean NCC, position and normal.
 bool IsAcceptable(const LevelContext& context, int reference, double u, double v, const PatchCell& cell);

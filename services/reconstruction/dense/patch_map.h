@@ -11,6 +11,7 @@ namespace drupe::dense {
 /// A patch of one reference view at one level: the plane 1/z = w + wu du + wv dv about the cell's pixel.
 struct PatchCell {
   float w = 0, wu = 0, wv = 0;
+  float bend = 0;           ///< half the Laplacian of 1/z, a pixel squared; known after FitSurface
   float ncc = 0;            ///< mean over the agreeing views; 0: the cell is empty
   float sigma = 0;          ///< standard uncertainty of w, in frame units (pixels of parallax)
   std::uint32_t views = 0;  ///< agreeing neighbours, bit k for the k-th

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "reconstruction/dense/progress_span.h"
 #include "reconstruction/dense/shading.h"
 
 namespace drupe::dense {
@@ -99,23 +100,37 @@ float WeightedMedianGreen(const Looks& looks, const std::array<Eigen::Array3f, k
   return sorted[looks.count - 1].first;
 }
 
-/// The robust mean of the looks after the shading is taken out, as sRGB.
-Eigen::Matrix<std::uint8_t, 3, 1> RobustColour(const Looks& looks, const ShadingModel& shading) {
+using Rgb = Eigen::Matrix<std::uint8_t, 3, 1>;
+
+/// The two colours of a point, sRGB.
+struct PointColours {
+  Rgb skin = Rgb::Constant(255);
+  Rgb pictured = Rgb::Constant(255);
+};
+
+Rgb FromLog(const Eigen::Array3f& log_colour) {
+  const Eigen::Array3f rgb = log_colour.exp() - 1.0f;
+  return (rgb.max(0.0f).min(255.0f) + 0.5f).cast<std::uint8_t>().matrix();
+}
+
+/// The robust means of the looks with the shading taken out and left in, over the same looks: those that agree once the
+/// shading is gone.
+PointColours RobustColours(const Looks& looks, const ShadingModel& shading) {
   std::array<Eigen::Array3f, kMaxLooks> values;
   for (int i = 0; i < looks.count; ++i) {
     values[i] = looks.items[i].log_colour - shading.Log(looks.items[i].normal_in_cam);
   }
   const float median = WeightedMedianGreen(looks, values);
-  Eigen::Array3f sum = Eigen::Array3f::Zero();
+  Eigen::Array3f sum = Eigen::Array3f::Zero(), raw_sum = Eigen::Array3f::Zero();
   float weights = 0;
   for (int i = 0; i < looks.count; ++i) {
     const float above = values[i][1] - median;
     if (above > kBrighter || above < -kDarker) continue;
     sum += looks.items[i].weight * values[i];
+    raw_sum += looks.items[i].weight * looks.items[i].log_colour;
     weights += looks.items[i].weight;
   }
-  const Eigen::Array3f rgb = (sum / weights).exp() - 1.0f;
-  return (rgb.max(0.0f).min(255.0f) + 0.5f).cast<std::uint8_t>().matrix();
+  return {FromLog(sum / weights), FromLog(raw_sum / weights)};
 }
 
 SurfaceElement ElementAt(const PointCloud& cloud, std::size_t i) {
@@ -143,13 +158,17 @@ Status ColourPoints(const LevelContext& context, const std::vector<PatchMap>& ma
                     bool remove_shading, const RunContext& run, PointCloud* cloud) {
   const ShadingModel shading = remove_shading ? FitShading(context, maps, owners, *cloud) : ShadingModel();
   cloud->colours.resize(cloud->size());
+  cloud->raw_colours.resize(cloud->size());
+  ProgressSpan progress(run, kAssembledShare, 1, static_cast<double>(cloud->size()));
   return ParallelFor(run, (cloud->size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
     const std::size_t end = std::min(cloud->size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
       const Looks looks = CollectLooks(context, maps, owners[i], cloud->view_counts[i] > 1, ElementAt(*cloud, i));
-      cloud->colours[i] =
-          looks.count > 0 ? RobustColour(looks, shading) : Eigen::Matrix<std::uint8_t, 3, 1>(255, 255, 255);
+      const PointColours colours = looks.count > 0 ? RobustColours(looks, shading) : PointColours();
+      cloud->colours[i] = colours.skin;
+      cloud->raw_colours[i] = colours.pictured;
     }
+    progress.Add(kChunk);
   });
 }
 

@@ -19,6 +19,7 @@ struct Blend {
     plane.w += share * w;
     plane.wu += share * cell.wu;
     plane.wv += share * cell.wv;
+    plane.bend += share * cell.bend;
     plane.ncc += share * cell.ncc;
     plane.sigma += share * cell.sigma;
     plane.views |= cell.views;
@@ -26,7 +27,7 @@ struct Blend {
   }
   void Normalise() {
     const float inverse = 1.0f / weight;
-    for (float* value : {&plane.w, &plane.wu, &plane.wv, &plane.ncc, &plane.sigma}) *value *= inverse;
+    for (float* value : {&plane.w, &plane.wu, &plane.wv, &plane.bend, &plane.ncc, &plane.sigma}) *value *= inverse;
   }
 };
 
@@ -67,6 +68,7 @@ std::vector<PatchGuess> PredictGuesses(const PatchMap& coarse, const std::vector
       blend.Normalise();
       blend.plane.wu *= scale;
       blend.plane.wv *= scale;
+      blend.plane.bend *= scale * scale;
       blend.plane.sigma /= scale;
       guesses.push_back({row * fine.cols + col, blend.plane});
     }

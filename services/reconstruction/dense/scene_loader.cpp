@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "reconstruction/dense/neighbour_views.h"
+#include "reconstruction/dense/progress_span.h"
 
 namespace drupe::dense {
 
@@ -63,6 +64,7 @@ double MedianDepth(const SparseModel& model, const RegionOfInterest& region, con
 Status LoadPictures(const DenseInput& input, const std::vector<PixelRect>& rects, const LevelPlan& plan,
                     const RunContext& run, std::vector<DenseView>* views) {
   std::vector<Status> outcomes(views->size());
+  ProgressSpan progress(run, 0, kLoadedShare, static_cast<double>(views->size()));
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, views->size(), [&](std::size_t i) {
     Result<RgbImage> picture = input.load_rgb((*views)[i].index);
     if (!picture.ok()) {
@@ -77,6 +79,7 @@ Status LoadPictures(const DenseInput& input, const std::vector<PixelRect>& rects
     }
     BuildPyramid(*picture, camera, rects[i], plan.coarsest + 1, &(*views)[i]);
     DropLevelsBelow(plan.finest, &(*views)[i]);
+    progress.Add(1);
   }));
   for (const Status& outcome : outcomes) DRUPE_RETURN_IF_ERROR(outcome);
   return Status::Ok();
@@ -104,6 +107,10 @@ Result<DenseScene> LoadScene(const DenseInput& input, const DenseOptions& option
   scene.typical_depth = MedianDepth(*input.model, scene.region, scene.views);
   scene.neighbours = SelectNeighbours(*input.model, scene.region, scene.views);
   DRUPE_RETURN_IF_ERROR(LoadPictures(input, rects, *plan, run, &scene.views));
+  scene.silhouettes.resize(scene.views.size());
+  if (options.scene == DenseOptions::Scene::kFruit) {
+    scene.silhouettes = FindSilhouettes(*input.model, scene.region, scene.views);
+  }
   return scene;
 }
 

@@ -96,10 +96,11 @@ PatchCell FitCell(const PatchMap& map, int col, int row, const SurfaceFitSetting
   if (DropOutliers(quadric, limit, samples) < least) return PatchCell();
   quadric = Fit(*samples);
   PatchCell cell = map.At(col, row);
-  const float per_pixel = map.unit / static_cast<float>(settings.radius * map.csize);
-  cell.w += map.unit * quadric.coefficients[0];
-  cell.wu = per_pixel * quadric.coefficients[1];
-  cell.wv = per_pixel * quadric.coefficients[2];
+  const auto reach = static_cast<float>(settings.radius * map.csize);
+  cell.bend = map.unit * (quadric.coefficients[3] + quadric.coefficients[5]) / (reach * reach);
+  cell.w += map.unit * quadric.coefficients[0] - PlaneBias(cell, settings.window_px);
+  cell.wu = map.unit * quadric.coefficients[1] / reach;
+  cell.wv = map.unit * quadric.coefficients[2] / reach;
   const float overlap = std::max(1.0f, settings.window_px / static_cast<float>(map.csize));
   cell.sigma = std::sqrt(std::max(quadric.variance, 0.0f)) * overlap;
   return cell;
@@ -107,10 +108,14 @@ PatchCell FitCell(const PatchMap& map, int col, int row, const SurfaceFitSetting
 
 }  // namespace
 
-PatchMap FitSurface(const PatchMap& map, const SurfaceFitSettings& settings) {
+float PlaneBias(const PatchCell& cell, float window_px) {
+  return cell.bend * (window_px * window_px - 1) / 12;
+}
+
+PatchMap FitSurface(const PatchMap& map, const SurfaceFitSettings& settings, const std::function<bool()>& cancelled) {
   PatchMap fitted = map;
   std::vector<Sample> samples;
-  for (int row = 0; row < map.rows; ++row) {
+  for (int row = 0; row < map.rows && !(cancelled && cancelled()); ++row) {
     for (int col = 0; col < map.cols; ++col) {
       if (map.At(col, row).Filled()) fitted.At(col, row) = FitCell(map, col, row, settings, &samples);
     }

@@ -1,5 +1,6 @@
 #include "reconstruction/dense/visibility.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -11,25 +12,56 @@ namespace drupe::dense {
 namespace {
 
 constexpr float kTolerance = 1.0f;  ///< pixels of parallax
-constexpr double kHidden =
-    0.02;  ///< of the distance: so far in front, another surface hides an element; nearer, one is wrong
+/// Of the distance: so far in front, another surface hides an element; nearer, one of the two is wrong.
+constexpr double kHidden = 0.02;
 constexpr int kLeastAgreeing = 2;
-constexpr double kLeastAgreeingShare = 0.4;  ///< of the neighbours that face the element
+constexpr double kLeastAgreeingShare = 0.4;  ///< of the witnesses
+constexpr int kFewWitnesses = 4;             ///< where so few see the surface, one that agrees will do
 
 SurfaceElement ElementOf(const LevelContext& context, int view, const PatchMap& map, int col, int row) {
   return ToWorld(context.scene->views[view], context.cameras[view], map.Pixel(col), map.Pixel(row), map.At(col, row));
 }
 
-bool IsConfirmed(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
-                 const SurfaceElement& element) {
-  int agree = 0, violated = 0;
-  for (const int neighbour : context.scene->neighbours[reference]) {
-    const Sight sight = LookAt(context, neighbour, maps[neighbour], element, kTolerance);
-    agree += sight == Sight::kAgrees ? 1 : 0;
-    violated += sight == Sight::kViolated ? 1 : 0;
+/// kHidden in pixels of parallax.
+float HidingTolerance(const LevelContext& context, int view, const PatchMap& map, const SurfaceElement& element) {
+  const double distance = (context.scene->views[view].centre - element.position).norm();
+  return static_cast<float>(kHidden / (distance * map.unit));
+}
+
+/// What the neighbours of a patch's reference say of it.
+struct Testimony {
+  int agree = 0;
+  int violated = 0;
+  int witnesses = 0;  ///< face the element, and nothing hides it from them
+};
+
+Testimony AskNeighbours(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
+                        const SurfaceElement& element) {
+  Testimony testimony;
+  const std::vector<int>& neighbours = context.scene->neighbours[reference];
+  const std::uint32_t facing = FacingNeighbours(*context.scene, reference, element);
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    const PatchMap& map = maps[neighbours[k]];
+    const Sight sight = LookAt(context, neighbours[k], map, element, kTolerance);
+    testimony.agree += sight == Sight::kAgrees ? 1 : 0;
+    testimony.violated += sight == Sight::kViolated ? 1 : 0;
+    if ((facing >> k & 1) == 0) continue;
+    const bool hidden =
+        sight == Sight::kOccluded && LookAt(context, neighbours[k], map, element,
+                                            HidingTolerance(context, neighbours[k], map, element)) == Sight::kOccluded;
+    testimony.witnesses += hidden ? 0 : 1;
   }
-  const int facing = std::popcount(FacingNeighbours(*context.scene, reference, element));
-  return agree >= kLeastAgreeing && agree >= violated && agree >= kLeastAgreeingShare * facing;
+  return testimony;
+}
+
+/// `photo_consistent`: the reference's own pixels agree with min_image_num - 1 views.
+bool IsConfirmed(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
+                 const SurfaceElement& element, bool photo_consistent) {
+  const Testimony testimony = AskNeighbours(context, reference, maps, element);
+  const bool hardly_seen = photo_consistent && testimony.witnesses <= kFewWitnesses && testimony.violated == 0;
+  if (testimony.agree < (hardly_seen ? 1 : kLeastAgreeing) || testimony.agree < testimony.violated) return false;
+  if (testimony.agree < kLeastAgreeingShare * testimony.witnesses) return false;
+  return !IsOutsideHull(context.scene->views, context.scene->silhouettes, element.position);
 }
 
 /// Puts the patches of `neighbour` into the cells that are empty in the reference's own map, the nearer surface first,
@@ -64,7 +96,7 @@ void DropUnconfirmed(const LevelContext& context, int reference, const std::vect
     if (!filled->cells[i].Filled() || maps[reference].cells[i].Filled()) continue;
     const SurfaceElement element =
         ElementOf(context, reference, *filled, static_cast<int>(i) % filled->cols, static_cast<int>(i) / filled->cols);
-    if (!IsConfirmed(context, reference, maps, element)) filled->cells[i] = PatchCell();
+    if (!IsConfirmed(context, reference, maps, element, false)) filled->cells[i] = PatchCell();
   }
 }
 
@@ -112,7 +144,7 @@ Status FilterByVisibility(const LevelContext& context, const RunContext& run, st
       if (!map.cells[i].Filled()) continue;
       const SurfaceElement element = ElementOf(context, static_cast<int>(view), map, static_cast<int>(i) % map.cols,
                                                static_cast<int>(i) / map.cols);
-      keep[view][i] = IsConfirmed(context, static_cast<int>(view), *maps, element) ? 1 : 0;
+      keep[view][i] = IsConfirmed(context, static_cast<int>(view), *maps, element, map.cells[i].views != 0) ? 1 : 0;
     }
   }));
   for (std::size_t view = 0; view < maps->size(); ++view) {
@@ -123,40 +155,40 @@ Status FilterByVisibility(const LevelContext& context, const RunContext& run, st
   return Status::Ok();
 }
 
-namespace {
-
-/// kHidden in pixels of parallax.
-float HidingTolerance(const LevelContext& context, int view, const PatchMap& map, const SurfaceElement& element) {
-  const double distance = (context.scene->views[view].centre - element.position).norm();
-  return static_cast<float>(kHidden / (distance * map.unit));
-}
-
-}  // namespace
-
-bool OwnsElement(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
-                 const SurfaceElement& element, double slack) {
-  const double own = ViewScore(*context.scene, reference, element);
-  if (own <= 0) return false;
-  for (const int neighbour : context.scene->neighbours[reference]) {
-    const double other = slack * ViewScore(*context.scene, neighbour, element);
-    if (other < own || (other == own && neighbour > reference)) continue;
-    if (LookAt(context, neighbour, maps[neighbour], element,
-               HidingTolerance(context, neighbour, maps[neighbour], element)) != Sight::kOccluded)
-      return false;
+double OwnerLead(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
+                 const SurfaceElement& element) {
+  constexpr double kLeastApart = 0.02;  // radians between two views
+  const DenseScene& scene = *context.scene;
+  const double own = ViewScore(scene, reference, element);
+  if (own <= 0) return -kClearLead;
+  const auto direction = [&](int view) { return (scene.views[view].centre - element.position).normalized(); };
+  const Eigen::Vector3d own_direction = direction(reference);
+  double lead = kClearLead;
+  for (const int neighbour : scene.neighbours[reference]) {
+    const double other = ViewScore(scene, neighbour, element);
+    if (other <= 0) continue;
+    const double over = (own / other - 1) / std::max((own_direction - direction(neighbour)).norm(), kLeastApart);
+    if (over >= lead) continue;
+    const float tolerance = HidingTolerance(context, neighbour, maps[neighbour], element);
+    if (LookAt(context, neighbour, maps[neighbour], element, tolerance) != Sight::kOccluded) lead = over;
   }
-  return true;
+  return lead;
 }
 
 std::vector<std::uint8_t> OwnedCells(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
-                                     double slack) {
+                                     double least_lead, int reach) {
   const PatchMap& map = maps[reference];
   std::vector<std::uint8_t> owned(map.cells.size(), 0);
   for (int row = 0; row < map.rows; ++row) {
     for (int col = 0; col < map.cols; ++col) {
       if (!map.At(col, row).Filled()) continue;
       const SurfaceElement element = ElementOf(context, reference, map, col, row);
-      owned[static_cast<std::size_t>(row) * map.cols + col] =
-          OwnsElement(context, reference, maps, element, slack) ? 1 : 0;
+      if (OwnerLead(context, reference, maps, element) < least_lead) continue;
+      for (int r = std::max(row - reach, 0); r <= std::min(row + reach, map.rows - 1); ++r) {
+        for (int c = std::max(col - reach, 0); c <= std::min(col + reach, map.cols - 1); ++c) {
+          owned[static_cast<std::size_t>(r) * map.cols + c] = 1;
+        }
+      }
     }
   }
   return owned;

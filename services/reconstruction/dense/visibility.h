@@ -20,22 +20,25 @@ Sight LookAt(const LevelContext& context, int view, const PatchMap& map, const S
              float tolerance);
 
 /// Removes patches that other views contradict (PMVS's visibility consistency): kept are those that at least two
-/// other views' patches agree with, and no fewer views agree than are violated.
+/// other views' patches agree with (one where hardly more can see the place), and a share of those that can see it; no
+/// fewer views agree than are violated; they lie within the fruit's outlines.
 Status FilterByVisibility(const LevelContext& context, const RunContext& run, std::vector<PatchMap>* maps);
 
 /// Fills the empty cells of every map with the patches that its neighbours have there: where a view sees a highlight,
 /// others do not. Borrowed patches have no agreeing views of their own (views = 0).
 Status BorrowFromNeighbours(const LevelContext& context, const RunContext& run, std::vector<PatchMap>* maps);
 
-/// True when no neighbour from which the element is not hidden sees it at a better scale and angle. With slack below 1
-/// also when the reference comes within this factor of the best. (A false element beyond a view's outline faces other
-/// views better, where nothing confirms it: so it is nobody's.)
-bool OwnsElement(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
-                 const SurfaceElement& element, double slack);
+/// By how much the reference is the view that sees an element best, in scale and angle, of those from which nothing
+/// hides it: the angle in radians by which the normal would have to turn for another view to see it as well; negative
+/// where another view sees it better. At most kClearLead. (A false element beyond a view's outline faces other views
+/// better, where nothing confirms it: so it is nobody's.)
+double OwnerLead(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
+                 const SurfaceElement& element);
+constexpr double kClearLead = 0.1;
 
-/// OwnsElement for every cell of the reference's map.
+/// Flags the cells of the reference's map whose lead is least_lead or more, and those up to `reach` cells around them.
 std::vector<std::uint8_t> OwnedCells(const LevelContext& context, int reference, const std::vector<PatchMap>& maps,
-                                     double slack);
+                                     double least_lead, int reach);
 
 /// How well a view measures an element: pixels per surface area, up to a factor; <= 0 from behind.
 double ViewScore(const DenseScene& scene, int view, const SurfaceElement& element);
