@@ -16,6 +16,15 @@ Json JoinTimings(Json reconstruction, const Json& analysis) {
   return reconstruction;
 }
 
+/// The trained background model that the payload names, if any.
+Result<std::optional<ColourModel>> ReadBackgroundModel(const Json& payload, ObjectStore& objects) {
+  if (!payload.contains("background_model")) return std::optional<ColourModel>();
+  DRUPE_ASSIGN_OR_RETURN(const std::string text, objects.Get(payload["background_model"].get<std::string>()));
+  DRUPE_ASSIGN_OR_RETURN(const Json json, ParseJson(text, {.max_bytes = kMaxColourModelBytes}));
+  DRUPE_ASSIGN_OR_RETURN(ColourModel model, ParseColourModel(json));
+  return std::optional<ColourModel>(std::move(model));
+}
+
 }  // namespace
 
 std::vector<StageShare> AnalysisStages() {
@@ -39,6 +48,7 @@ Result<Report> AnalysisJob::MakeReport(const Job& job, const RunContext& context
   DRUPE_ASSIGN_OR_RETURN(const AnalysisOptions options, ParseAnalysisOptions(job.payload.at("options")));
   context.Report("fetch", 0);
   DRUPE_ASSIGN_OR_RETURN(FetchedReconstruction fetched, reconstructions_.Fetch(job.subject, context));
+  DRUPE_ASSIGN_OR_RETURN(fetched.input.background_model, ReadBackgroundModel(job.payload, objects_));
   context.Report("fetch", 1);
   DRUPE_ASSIGN_OR_RETURN(Report report, RunAnalysis(fetched.input, options, context));
   report.id = job.subject;

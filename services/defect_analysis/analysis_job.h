@@ -17,7 +17,8 @@
 
 namespace drupe {
 
-/// The kind of the analysis' jobs: subject is the reconstruction's id, payload {"options": {...}}.
+/// The kind of the analysis' jobs: subject is the reconstruction's id, payload {"options": {...}} and, where those name
+/// a trained background model, "background_model", the SHA-256 of its file.
 inline constexpr std::string_view kAnalyzeKind = "analyze";
 
 /// The stages of an analysis job and their usual shares of its time.

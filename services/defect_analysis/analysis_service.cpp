@@ -45,6 +45,10 @@ Result<Job> AnalysisService::Submit(const std::string& reconstruction, const Jso
   spec.id_prefix = "ana";
   spec.subject = reconstruction;
   spec.payload = {{"options", options}};
+  DRUPE_ASSIGN_OR_RETURN(const AnalysisOptions parsed, ParseAnalysisOptions(options));
+  if (IsId(parsed.background.model, "mdl")) {
+    DRUPE_ASSIGN_OR_RETURN(spec.payload["background_model"], models_.FileOf(parsed.background.model));
+  }
   spec.idempotency_key = KeyOf(reconstruction, options);
   spec.max_attempts = kMaxAttempts;
   return jobs_.Submit(spec);

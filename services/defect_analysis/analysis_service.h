@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/status.h"
+#include "defect_analysis/model_catalogue.h"
 #include "defect_analysis/report_index.h"
 #include "jobs/job_store.h"
 #include "store/object_store.h"
@@ -25,11 +26,11 @@ class AnalysisService {
  public:
   /// All of them must outlive the service.
   AnalysisService(JobStore& jobs, ReportIndex& index, ObjectStore& objects)
-      : jobs_(jobs), index_(index), objects_(objects) {}
+      : jobs_(jobs), index_(index), objects_(objects), models_(jobs, objects) {}
 
   /// Queues the analysis of a reconstruction and makes it the one whose report Find gives. The same reconstruction and
-  /// options are the same job; one that has failed is tried again. Errors: 400 `invalid_id`, those of
-  /// ParseAnalysisOptions and of JobStore::Submit.
+  /// options are the same job; one that has failed is tried again. Errors: 400 `invalid_id`; those of
+  /// ParseAnalysisOptions, of ModelCatalogue::FileOf for the background model, and of JobStore::Submit.
   Result<Job> Analyze(const std::string& reconstruction, const Json& options);
 
   /// Errors: 404 `report_not_found` when no analysis of the reconstruction was asked for.
@@ -37,6 +38,7 @@ class AnalysisService {
   Result<ReportPage> List(const ReportQuery& query) { return index_.List(query); }
   /// A report's bytes, digest checked.
   Result<std::string> Read(const ReportEntry& report, ReportFormat format);
+  ModelCatalogue& models() { return models_; }
 
  private:
   Result<Job> Submit(const std::string& reconstruction, const Json& options);
@@ -44,6 +46,7 @@ class AnalysisService {
   JobStore& jobs_;
   ReportIndex& index_;
   ObjectStore& objects_;
+  ModelCatalogue models_;
 };
 
 /// What the end of an analysis that gave no report means to the one who asks for the report: 422 with the job's error

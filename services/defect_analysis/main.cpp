@@ -5,7 +5,9 @@
 #include "base/log.h"
 #include "defect_analysis/analysis_job.h"
 #include "defect_analysis/analysis_service.h"
+#include "defect_analysis/model_routes.h"
 #include "defect_analysis/routes.h"
+#include "defect_analysis/train_job.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
 #include "jobs/sql/sql_job_store.h"
@@ -37,10 +39,10 @@ Status OpenStores(const std::filesystem::path& data, Analysis& analysis) {
 }
 
 void CountAttempts(Metrics& metrics, JobRunnerOptions& options) {
-  options.on_attempt = [&metrics](const Job&, const Status& outcome, double wall_s) {
+  options.on_attempt = [&metrics](const Job& job, const Status& outcome, double wall_s) {
     const std::string result = outcome.ok() ? "succeeded" : "failed";
     metrics.Count("drupe_job_attempts_total", "Attempts at jobs that have ended", {{"outcome", result}});
-    metrics.ObserveSeconds("drupe_job_seconds", "Wall time of an attempt at a job", {{"kind", "analyze"}}, wall_s);
+    metrics.ObserveSeconds("drupe_job_seconds", "Wall time of an attempt at a job", {{"kind", job.kind}}, wall_s);
   };
 }
 
@@ -70,6 +72,7 @@ Status StartWorking(const std::string& reconstruction_url, JobRunnerOptions opti
       std::string(kAnalyzeKind),
       [&job = *analysis.job](const Job& claimed, const RunContext& context) { return job.Run(claimed, context); },
       AnalysisStages());
+  analysis.runner->Handle(std::string(kTrainKind), TrainJob(*analysis.objects, frame.options().limits), TrainStages());
   frame.OnDrain([&analysis] { analysis.runner->Stop(); });
   return analysis.runner->Start();
 }
@@ -79,7 +82,7 @@ int Main(int argc, char** argv) {
   std::string reconstruction_url = "http://127.0.0.1:8082";
   JobRunnerOptions runner;
   frame.AddOption("--reconstruction-url", reconstruction_url, "Where reconstructions are fetched from");
-  frame.AddOption("--workers", runner.workers, "Analyses done at once");
+  frame.AddOption("--workers", runner.workers, "Analyses and trainings done at once");
   frame.AddOption("--threads", runner.threads_per_job, "Threads of one analysis; 0: one per core");
   if (const std::optional<int> exit_code = frame.Parse(argc, argv)) return *exit_code;
 
@@ -89,7 +92,11 @@ int Main(int argc, char** argv) {
   if (started.ok()) {
     analysis.service.emplace(*analysis.jobs, *analysis.index, *analysis.objects);
     WatchStores(frame, analysis);
-    if (options.role != Role::kWorker) AddAnalysisRoutes(*analysis.service, options.public_url, frame.router());
+    if (options.role != Role::kWorker) {
+      AddAnalysisRoutes(*analysis.service, options.public_url, frame.router());
+      AddModelRoutes(frame.router(),
+                     {analysis.service->models(), *analysis.objects, options.limits, options.public_url});
+    }
     if (options.role != Role::kApi) started = StartWorking(reconstruction_url, runner, frame, analysis);
   }
   if (!started.ok()) {

@@ -127,6 +127,20 @@ class OpenApiTest(DrupeTest):
         self.call("capture", "GET", "/calibrations?limit=0", expect=400)
         self.call("capture", "GET", "/cameras", expect=200)
 
+    def test_3_models(self):
+        cloud = ("cloud", "labelled.ply", pictures.labelled_ply())
+        reply = self.post_parts("analysis", "/models", [cloud, ("options", None, {"name": "test"})], 202)
+        path = f"/models/{reply.json()['id']}"
+        wait_for("model", lambda: self.call("analysis", "GET", path).json()["status"] == "succeeded", 60, 0.1)
+        self.call("analysis", "GET", f"{path}/model.json", expect=200)
+        self.call("analysis", "GET", "/models/default", expect=200)
+        self.call("analysis", "GET", "/models?limit=1", expect=200)
+        self.call("analysis", "GET", "/models?limit=0", expect=400)
+        self.call("analysis", "GET", f"/models/mdl_{UNKNOWN}", expect=404)
+        self.call("analysis", "GET", f"/models/mdl_{UNKNOWN}/model.json", expect=404)
+        self.post_parts("analysis", "/models", [("options", None, {})], 400)
+        self.post_parts("analysis", "/models", [("cloud", "x.ply", b"ply\n")], 422)
+
     def test_9_every_described_operation_has_succeeded(self):
         succeeded = {entry[:3] for entry in self.seen if entry[3] < 300}
         self.assertEqual(self.contract.routes() - succeeded, set(), "never seen to succeed")

@@ -40,3 +40,22 @@ def jpeg_with_size(jpeg, width, height):
 
 GIF = b"GIF89a\x01\x00\x01\x00\x80\x00\x00\x00\x00\x00\xff\xff\xff!\xf9\x04\x00\x00\x00\x00\x00,\x00\x00\x00\x00\x01\x00\x01\x00\x00\x02\x02D\x01\x00;"
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg"><image href="file:///etc/passwd"/></svg>'
+
+
+def colour_png(width, height, pixel):
+    """A PNG in colour; `pixel(x, y)` gives (red, green, blue)."""
+    rows = b"".join(b"\0" + b"".join(bytes(pixel(x, y)) for x in range(width)) for y in range(height))
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header) + png_chunk(b"IDAT", zlib.compress(rows))
+            + png_chunk(b"IEND", b""))
+
+
+def labelled_ply(label="label", fruit=(134, 155, 67), count=600):
+    """A cloud of two classes for the training of a background model: a fruit's colour, and a board's black and white."""
+    vertices = b""
+    for k in range(count):
+        vertices += struct.pack("<3f4B", k, 0, 0, *(channel + k % 7 for channel in fruit), 1)
+        vertices += struct.pack("<3f4B", k, 1, 0, *([20 + k % 7] * 3 if k % 2 else [230 + k % 7] * 3), 0)
+    names = "".join(f"property float {axis}\n" for axis in "xyz")
+    names += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue", label))
+    return f"ply\nformat binary_little_endian 1.0\nelement vertex {2 * count}\n{names}end_header\n".encode() + vertices

@@ -1,0 +1,125 @@
+#include "defect_analysis/model_routes.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "base/clock.h"
+#include "defect_analysis/models/default_model.h"
+#include "http/content.h"
+
+namespace drupe {
+namespace {
+
+constexpr std::size_t kMaxKeyBytes = 200;
+
+Json TimeOrNull(std::int64_t unix_ms) {
+  return unix_ms == 0 ? Json() : Json(FormatUtc(unix_ms));
+}
+
+/// A failed attempt that is retried is no error of the job yet.
+Json ErrorOrNull(const Job& job) {
+  if (!job.error || job.state != JobState::kFailed) return nullptr;
+  Json error = {{"code", job.error->code}, {"message", job.error->message}};
+  if (!job.error->field.empty()) error["field"] = job.error->field;
+  return error;
+}
+
+Result<std::string> IdempotencyKeyOf(const Request& request) {
+  const std::string key(request.Header("Idempotency-Key"));
+  if (request.headers.count("Idempotency-Key") == 0) return key;
+  const bool printable = std::all_of(key.begin(), key.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
+  if (printable && !key.empty() && key.size() <= kMaxKeyBytes) return key;
+  return InvalidArgument("invalid_idempotency_key", "Idempotency-Key must be 1 to 200 printable characters",
+                         "Idempotency-Key");
+}
+
+class ModelRoutes {
+ public:
+  explicit ModelRoutes(const ModelContext& context) : context_(context) {}
+
+  Status Train(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const std::string key, IdempotencyKeyOf(request));
+    DRUPE_ASSIGN_OR_RETURN(const ModelRequest asked, ReadModelForm(request, context_.objects, context_.limits));
+    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.models.Train(asked, key));
+    response.SetJson(ModelJson(job), 202);
+    response.SetHeader("Location", LinkOf(job));
+    return Status::Ok();
+  }
+
+  Status Get(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.models.Find(request.Capture("id")));
+    response.SetJson(ModelJson(job));
+    return Status::Ok();
+  }
+
+  Status GetDefault(const Request&, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const ColourModel model, DefaultBackgroundModel());
+    response.SetJson(ToJson(model));
+    return Status::Ok();
+  }
+
+  Status GetFile(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const std::string sha256, context_.models.FileOf(request.Capture("id")));
+    DRUPE_ASSIGN_OR_RETURN(std::string bytes, context_.models.Read(sha256));
+    SendContent(request, MakeByteSource(std::move(bytes)), "application/json", sha256, response);
+    return Status::Ok();
+  }
+
+  Status List(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const std::int64_t limit, request.QueryInt("limit", 50, 1, 200));
+    DRUPE_ASSIGN_OR_RETURN(const JobPage page,
+                           context_.models.List(static_cast<int>(limit), request.Query("cursor").value_or("")));
+    Json models = Json::array();
+    for (const Job& job : page.jobs) models.push_back(ModelJson(job));
+    const Json next = page.next_cursor.empty() ? Json() : Json(page.next_cursor);
+    response.SetJson({{"models", std::move(models)}, {"next_cursor", next}});
+    return Status::Ok();
+  }
+
+ private:
+  std::string LinkOf(const Job& job) const { return context_.public_url + "/models/" + job.id; }
+
+  Json ModelJson(const Job& job) const {
+    const Json result = job.result.value_or(Json::object());
+    Json links = {{"self", LinkOf(job)}};
+    if (job.state == JobState::kSucceeded) links["model"] = LinkOf(job) + "/model.json";
+    return {{"id", job.id},
+            {"status", JobStateName(job.state)},
+            {"stage", job.stage},
+            {"progress", job.progress},
+            {"created_at", TimeOrNull(job.created_ms)},
+            {"finished_at", TimeOrNull(job.finished_ms)},
+            {"error", ErrorOrNull(job)},
+            {"options", job.payload.value("options", Json::object())},
+            {"clouds", job.payload.value("clouds", Json::array()).size()},
+            {"images", job.payload.value("pictures", Json::array()).size()},
+            {"support_vectors", result.value("support_vectors", Json())},
+            {"confusion", result.value("confusion", Json())},
+            {"links", std::move(links)}};
+  }
+
+  const ModelContext context_;
+};
+
+using Method = Status (ModelRoutes::*)(const Request&, Response&) const;
+
+}  // namespace
+
+void AddModelRoutes(Router& router, const ModelContext& context) {
+  const auto routes = std::make_shared<ModelRoutes>(context);
+  const auto add = [&](Method method) {
+    return [routes, method](const Request& request, Response& response) {
+      if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
+    };
+  };
+  const RouteOptions plain{.max_body_bytes = 0};
+  const RouteOptions upload{.max_body_bytes = context.limits.max_request_bytes, .upload = true};
+  router.Add("POST", "/models", upload, add(&ModelRoutes::Train));
+  router.Add("GET", "/models", plain, add(&ModelRoutes::List));
+  router.Add("GET", "/models/default", plain, add(&ModelRoutes::GetDefault));
+  router.Add("GET", "/models/{id:mdl}", plain, add(&ModelRoutes::Get));
+  router.Add("GET", "/models/{id:mdl}/model.json", plain, add(&ModelRoutes::GetFile));
+}
+
+}  // namespace drupe
