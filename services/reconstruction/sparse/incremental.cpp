@@ -192,6 +192,24 @@ Status GrowModel(const std::vector<std::optional<Rigid3>>& board_poses, const Sp
   return Growth(board_poses, options, context, state).Run();
 }
 
+Status SettleModel(const SparseOptions& options, const RunContext& context, SfmState& state) {
+  AdjustmentOptions adjustment = AdjustmentFrom(options);
+  adjustment.max_iterations = 10;
+  adjustment.function_tolerance = 1e-3;
+  DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
+  return UpdateTracks(state, TriangulationFrom(options), context);
+}
+
+Status CloseSeams(const SparseOptions& options, const RunContext& context, SfmState& state) {
+  for (const double widening : {8.0, 2.0}) {
+    TriangulationOptions triangulation = TriangulationFrom(options);
+    triangulation.max_error_px *= widening;
+    DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
+    DRUPE_RETURN_IF_ERROR(SettleModel(options, context, state));
+  }
+  return Status::Ok();
+}
+
 Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrinsics, const RunContext& context,
                                 SfmState& state) {
   TriangulationOptions triangulation = TriangulationFrom(options);

@@ -15,6 +15,13 @@ namespace drupe {
 Status GrowModel(const std::vector<std::optional<Rigid3>>& board_poses, const SparseOptions& options,
                  const RunContext& context, SfmState& state);
 
+/// Adjusts a grown model as a whole, roughly, and brings its tracks up to date.
+Status SettleModel(const SparseOptions& options, const RunContext& context, SfmState& state);
+
+/// As above for a model fused from parts: where they meet, observations may be off by more than the usual gate, which
+/// is wide at first and then narrows.
+Status CloseSeams(const SparseOptions& options, const RunContext& context, SfmState& state);
+
 /// The adjustments and clean-up after the last view: noise is estimated and weights follow from it, wrong observations
 /// and views with too little left go. Returns the noise that the weights rest on.
 Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrinsics, const RunContext& context,

@@ -6,17 +6,17 @@
 
 #include "geometry/sim3.h"
 #include "reconstruction/sparse/board_frame.h"
+#include "reconstruction/sparse/cluster_models.h"
 #include "reconstruction/sparse/focal_from_board.h"
+#include "reconstruction/sparse/fusion.h"
 #include "reconstruction/sparse/incremental.h"
-#include "reconstruction/sparse/initial_pair.h"
 #include "reconstruction/sparse/model_from_state.h"
+#include "reconstruction/sparse/placement.h"
 #include "reconstruction/sparse/sfm_state.h"
 
 namespace drupe {
 namespace {
 
-/// From this share of the views on, the board alone places the first ones; below, features begin and the board joins.
-constexpr double kBoardFirstShare = 0.6;
 /// Parts into which the adjustment of an undivided model is dealt, for threads to work on.
 constexpr int kSharesOfAWhole = 8;
 
@@ -41,31 +41,27 @@ Status CheckSizes(const SparseInput& input) {
   return Status::Ok();
 }
 
-int CountPoses(const std::vector<std::optional<Rigid3>>& poses) {
-  return static_cast<int>(std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
+/// A set of several clusters, and the wish to use them.
+bool UsesClusters(const SparseInput& input, const SparseOptions& options) {
+  return options.method == SparseMethod::kClusters && input.clusters != nullptr && input.clusters->clusters.size() > 1;
 }
 
-bool StartFromBoard(const std::vector<std::optional<Rigid3>>& board_poses, const SparseOptions& options,
-                    SfmState& state) {
-  if (CountPoses(board_poses) < options.min_board_views) return false;
-  state.poses = board_poses;
-  state.is_metric = true;
-  return true;
-}
-
-/// Places as many views as possible, by the board first where most views see it, otherwise by features.
-Status PlaceViews(const SparseInput& input, const SparseOptions& options, const RunContext& context, SfmState& state) {
-  const auto board_poses = BoardPoses(state, options, context.seed);
-  const bool board_first = CountPoses(board_poses) >= kBoardFirstShare * state.ViewCount();
-  if (!(board_first && StartFromBoard(board_poses, options, state))) {
-    const Status started = StartFromPair(*input.matches, options, context, state);
-    if (!started.ok() && (started.code() != "no_initial_pair" || !StartFromBoard(board_poses, options, state))) {
-      return started;
-    }
+/// The clusters' models, fused, and in the whole model what they could not place.
+Status PlaceByClusters(const SparseInput& input, const std::vector<std::optional<Rigid3>>& board_poses,
+                       const SparseOptions& options, const RunContext& context, SfmState& state) {
+  const auto& clusters = input.clusters->clusters;
+  DRUPE_ASSIGN_OR_RETURN(const std::vector<ClusterModel> models,
+                         BuildClusterModels(state, clusters, *input.matches, board_poses, options, context));
+  context.Report("sparse", 0.5);
+  if (!FuseClusters(models, options, context, state)) {
+    return PlaceViews(*input.matches, board_poses, state.ViewCount(), options, context, state);
   }
-  DRUPE_RETURN_IF_ERROR(GrowModel(board_poses, options, context, state));
-  if (state.is_metric || !AlignToBoard(board_poses, options, state)) return Status::Ok();
-  return GrowModel(board_poses, options, context, state);  // the board may now place what features could not
+  ShareByCluster(clusters, state);
+  if (!state.is_metric) {
+    DRUPE_RETURN_IF_ERROR(CloseSeams(options, context, state));
+    AlignToBoard(board_poses, options, state);
+  }
+  return GrowModel(board_poses, options, context, state);
 }
 
 /// A guessed focal length gives way to the board's own, where the board shows one.
@@ -96,7 +92,10 @@ Result<SparseModel> RunSparse(const SparseInput& input, const SparseOptions& opt
   SfmState state = MakeSfmState(input);
   ShareByOrder(kSharesOfAWhole, state);
   ImproveGuess(input, options, state);
-  DRUPE_RETURN_IF_ERROR(PlaceViews(input, options, context, state));
+  const auto board_poses = BoardPoses(state, options, context.seed);
+  DRUPE_RETURN_IF_ERROR(UsesClusters(input, options)
+                            ? PlaceByClusters(input, board_poses, options, context, state)
+                            : PlaceViews(*input.matches, board_poses, state.ViewCount(), options, context, state));
   DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));
   DRUPE_ASSIGN_OR_RETURN(const NoiseLevels noise, FinishModel(options, input.refine_intrinsics, context, state));
   DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));

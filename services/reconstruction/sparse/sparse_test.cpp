@@ -50,16 +50,71 @@ TEST(SparseTest, NominalFeaturesAloneCloseTheRing) {
   EXPECT_TRUE(model->views[0].cam_from_world->rotation.isIdentity(1e-9));  // the frame of the first view
 }
 
+ViewClusters FourArcs() {
+  ViewClusters clusters;
+  for (int first = 0; first < 24; first += 6) {
+    std::vector<int> arc;
+    for (int k = 0; k < 9; ++k) arc.push_back((first + k) % 24);
+    std::sort(arc.begin(), arc.end());
+    clusters.clusters.push_back(arc);
+  }
+  return clusters;
+}
+
 TEST(SparseTest, ThreadsDoNotChangeTheResult) {
   const SyntheticScene scene;
-  RunContext one, two;
-  one.threads = 1, two.threads = 2;
-  const auto a = RunSparse(scene.Input(false), SparseOptions{}, one),
-             b = RunSparse(scene.Input(false), SparseOptions{}, two);
+  const ViewClusters clusters = FourArcs();
+  SparseInput input = scene.Input(false);
+  input.clusters = &clusters;
+  RunContext one, three;
+  one.threads = 1, three.threads = 3;
+  const auto a = RunSparse(input, SparseOptions{}, one), b = RunSparse(input, SparseOptions{}, three);
   ASSERT_TRUE(a.ok() && b.ok());
   ASSERT_EQ(a->tracks.size(), b->tracks.size());
   EXPECT_EQ(a->views[17].cam_from_world->translation, b->views[17].cam_from_world->translation);
   EXPECT_EQ(a->tracks.back().position, b->tracks.back().position);
+}
+
+TEST(SparseTest, ClustersFusedAreAsGoodAsTheWhole) {
+  SyntheticScene::Options scene_options;
+  scene_options.noise_px = 0.1;
+  const SyntheticScene scene(scene_options);
+  const ViewClusters clusters = FourArcs();
+  for (const bool with_board : {false, true}) {
+    SparseInput input = scene.Input(with_board);
+    input.clusters = &clusters;
+    SparseOptions options;
+    const auto fused = RunSparse(input, options, RunContext{});
+    options.method = SparseMethod::kWhole;
+    const auto whole = RunSparse(input, options, RunContext{});
+    ASSERT_TRUE(fused.ok() && whole.ok());
+    EXPECT_EQ(fused->RegisteredCount(), 24);
+    EXPECT_LT(AlignedCentreError(scene, *fused), 1.05 * AlignedCentreError(scene, *whole) + 1e-4);
+    EXPECT_GE(fused->tracks.size(), 0.99 * whole->tracks.size());
+  }
+}
+
+TEST(SparseTest, AClusterThatCannotBeBuiltIsPlacedByTheOthers) {
+  SyntheticScene scene;
+  std::erase_if(scene.matches.pairs, [](const TwoViewMatches& p) { return p.pair.first >= 6 && p.pair.first <= 14; });
+  const ViewClusters clusters = FourArcs();
+  SparseInput input = scene.Input(false);
+  input.clusters = &clusters;
+  const auto model = RunSparse(input, SparseOptions{}, RunContext{});
+  ASSERT_TRUE(model.ok()) << model.status().ToString();
+  EXPECT_EQ(model->RegisteredCount(), 24);
+}
+
+TEST(SparseTest, BothAdjustmentsGiveOneModel) {
+  const SyntheticScene scene;
+  SparseOptions options;
+  const auto distributed = RunSparse(scene.Input(true), options, RunContext{});
+  options.adjustment = AdjustmentMethod::kMonolithic;
+  const auto monolithic = RunSparse(scene.Input(true), options, RunContext{});
+  ASSERT_TRUE(distributed.ok() && monolithic.ok());
+  EXPECT_LT((distributed->views[7].cam_from_world->Centre() - monolithic->views[7].cam_from_world->Centre()).norm(),
+            1e-3);
+  EXPECT_NEAR(distributed->mean_reprojection_error_px, monolithic->mean_reprojection_error_px, 1e-4);
 }
 
 TEST(SparseTest, ViewWithoutFeaturesIsPlacedByTheBoard) {
