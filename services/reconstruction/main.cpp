@@ -9,14 +9,14 @@
 #include "http/client.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
-#include "jobs/sql/sql_job_store.h"
-#include "jobs/sqlite/database.h"
 #include "reconstruction/image_sets.h"
 #include "reconstruction/object_derived_cache.h"
 #include "reconstruction/prepare_job.h"
 #include "reconstruction/reconstruct_job.h"
 #include "reconstruction/routes.h"
-#include "store/object_store.h"
+#include "service/job_routes.h"
+#include "service/service_stores.h"
+#include "service/worker.h"
 
 namespace drupe {
 namespace {
@@ -28,42 +28,24 @@ struct Settings {
   int workers = 1;
   int threads = 0;
   double drain_s = 20;
+  double lease_s = 30;
   int prepare_workers = -1;
   int cache_mb = 4096;
 };
 
-/// The stores of the service, in the order in which they depend on one another.
-struct Stores {
-  std::unique_ptr<ObjectStore> objects;
-  std::unique_ptr<SqliteDatabase> database;
-  std::unique_ptr<JobStore> jobs;
+/// The stores of every service, and this one's own tables.
+struct Stores : ServiceStores {
   std::unique_ptr<ImageSetStore> sets;
   std::unique_ptr<ObjectDerivedCache> derived;
 };
 
 Result<Stores> OpenStores(const ServiceOptions& options, const Settings& settings) {
-  Stores stores;
-  DRUPE_ASSIGN_OR_RETURN(stores.objects, ObjectStore::Open(options.data / "objects"));
-  DRUPE_ASSIGN_OR_RETURN(stores.database, SqliteDatabase::Open(options.data / "reconstruction.db"));
-  DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenJobStore(*stores.database));
+  DRUPE_ASSIGN_OR_RETURN(ServiceStores common, OpenServiceStores(options, "reconstruction"));
+  Stores stores{std::move(common), nullptr, nullptr};
   DRUPE_ASSIGN_OR_RETURN(stores.sets, ImageSetStore::Open(*stores.database, options.limits));
   DRUPE_ASSIGN_OR_RETURN(stores.derived, ObjectDerivedCache::Open(*stores.database, *stores.objects,
                                                                   std::int64_t{settings.cache_mb} * 1'000'000));
   return stores;
-}
-
-void AddJobMetrics(Metrics& metrics, JobStore& jobs) {
-  const auto add = [&](const char* state, std::int64_t JobCounts::*member) {
-    metrics.AddGauge(std::string("drupe_jobs_") + state, "Jobs in this state.", [&jobs, member] {
-      const Result<JobCounts> counts = jobs.Counts();
-      return counts.ok() ? static_cast<double>((*counts).*member) : -1.0;
-    });
-  };
-  add("queued", &JobCounts::queued);
-  add("running", &JobCounts::running);
-  add("succeeded", &JobCounts::succeeded);
-  add("failed", &JobCounts::failed);
-  add("cancelled", &JobCounts::cancelled);
 }
 
 void AddCacheMetrics(Metrics& metrics, const ObjectDerivedCache& derived) {
@@ -79,12 +61,14 @@ int PrepareWorkers(const Settings& settings) {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
 }
 
-JobRunnerOptions RunnerOptions(const Settings& settings, int workers, const std::string& name) {
+JobRunnerOptions RunnerOptions(const Settings& settings, int workers, const std::string& name, Metrics& metrics) {
   JobRunnerOptions options;
   options.workers = workers;
   options.threads_per_job = settings.threads;
   options.drain_ms = static_cast<std::int64_t>(settings.drain_s * 1000);
-  options.worker_name = name;
+  options.lease_ms = static_cast<std::int64_t>(settings.lease_s * 1000);
+  options.worker_name = WorkerName(name);
+  CountAttempts(metrics, options);
   return options;
 }
 
@@ -92,12 +76,13 @@ JobRunnerOptions RunnerOptions(const Settings& settings, int workers, const std:
 /// so has what is done while pictures arrive, so that it never takes more than its threads.
 class Workers {
  public:
-  Workers(Stores& stores, const Settings& settings, const Limits& limits, const Client& analysis)
+  Workers(Stores& stores, const Settings& settings, const Limits& limits, const Client& analysis, Metrics& metrics)
       : jobs_(*stores.jobs),
-        reconstructions_(*stores.jobs, RunnerOptions(settings, settings.workers, "reconstruct")),
-        announcements_(*stores.jobs, RunnerOptions(settings, 1, "announce")),
+        reconstructions_(*stores.jobs, RunnerOptions(settings, settings.workers, "reconstruct", metrics)),
+        announcements_(*stores.jobs, RunnerOptions(settings, 1, "announce", metrics)),
         prepares_(PrepareWorkers(settings) > 0),
-        preparations_(*stores.jobs, RunnerOptions(settings, std::max(1, PrepareWorkers(settings)), "prepare")) {
+        preparations_(*stores.jobs,
+                      RunnerOptions(settings, std::max(1, PrepareWorkers(settings)), "prepare", metrics)) {
     reconstructions_.Handle(kReconstructKind,
                             ReconstructJob(*stores.objects, *stores.jobs, stores.derived.get(), limits),
                             ReconstructStages());
@@ -129,7 +114,7 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   const ServiceOptions& options = service.options();
   DRUPE_ASSIGN_OR_RETURN(Stores stores, OpenStores(options, settings));
   DRUPE_ASSIGN_OR_RETURN(const Client analysis, Client::Create(settings.analysis_url));
-  Workers workers(stores, settings, options.limits, analysis);
+  Workers workers(stores, settings, options.limits, analysis, service.metrics());
   if (options.role != Role::kWorker) {
     const std::string& report_url =
         settings.public_analysis_url.empty() ? settings.analysis_url : settings.public_analysis_url;
@@ -141,11 +126,10 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
                                PrepareWorkers(settings) > 0};
     AddReconstructionRoutes(service.router(), context);
     AddImageSetRoutes(service.router(), context);
+    AddJobRoutes(service.router(), *stores.jobs);
   }
-  AddJobMetrics(service.metrics(), *stores.jobs);
   AddCacheMetrics(service.metrics(), *stores.derived);
-  service.AddReadinessCheck("objects", [&] { return stores.objects->CheckWritable(); });
-  service.AddReadinessCheck("jobs", [&] { return stores.jobs->Counts().status(); });
+  WatchStores(service, stores);
   service.OnDrain([&] { workers.Stop(); });
   if (options.role != Role::kApi) DRUPE_RETURN_IF_ERROR(workers.Start());
   exit_code = service.Run();
@@ -167,6 +151,8 @@ int main(int argc, char** argv) {
   service.AddOption("--prepare-workers", settings.prepare_workers,
                     "threads that find features while pictures arrive, 0 for none, -1 for half of the cores");
   service.AddOption("--cache-mb", settings.cache_mb, "disk space for what is known of pictures, 0 for none");
+  service.AddOption("--lease-s", settings.lease_s,
+                    "seconds after which a worker that has fallen silent loses its job to another");
   service.AddOption("--drain-s", settings.drain_s, "seconds that running jobs are given when the service stops");
   if (const std::optional<int> exit_code = service.Parse(argc, argv)) return *exit_code;
   int exit_code = 1;

@@ -25,6 +25,7 @@ struct ServiceOptions {
   LogLevel log_level = LogLevel::kInfo;  ///< --log-level debug|info|warning|error
   Limits limits;                         ///< --max-request-mb, --max-image-mb, --max-images, --max-uploads
   ServerOptions server;                  ///< --host, --port
+  std::string jobs_url;                  ///< --jobs-url: sqlite:PATH or postgres://...; empty: SQLite in `data`
   std::string public_url;                ///< --public-url: prefix of links in replies; empty: relative links
 };
 

@@ -91,6 +91,11 @@ void AddServiceOptions(CLI::App& app, ServiceOptions& options) {
       ->transform(CLI::CheckedTransformer(kLevels))
       ->default_str("info")
       ->envname("DRUPE_LOG_LEVEL");
+  app.add_option(
+         "--jobs-url", options.jobs_url,
+         "job database: sqlite:PATH (one process), or postgres://USER@HOST/DATABASE for any number of processes "
+         "on any number of machines; without it, SQLite in --data")
+      ->envname("DRUPE_JOBS_URL");
   app.add_option("--public-url", options.public_url, "put before the links in replies, for a service behind a proxy")
       ->envname("DRUPE_PUBLIC_URL");
   AddLimits(app, options);

@@ -78,6 +78,7 @@ class JobRunner::Impl {
   Result<Json> CallHandler(const Entry& entry, const Job& job, const RunContext& context) const;
   /// Tells the store how the attempt ended.
   void Finish(const RunningJob& running, const Result<Json>& outcome);
+  Status DeliverPatiently(const RunningJob& running, const Result<Json>& outcome);
   Status Deliver(const RunningJob& running, const Result<Json>& outcome);
   bool Register(const std::shared_ptr<RunningJob>& running);
   void Unregister(const std::shared_ptr<RunningJob>& running);
@@ -210,10 +211,24 @@ Result<Json> JobRunner::Impl::CallHandler(const Entry& entry, const Job& job, co
 
 void JobRunner::Impl::Finish(const RunningJob& running, const Result<Json>& outcome) {
   if (running.given_up()) return;
-  const Status delivered = Deliver(running, outcome);
+  const Status delivered = DeliverPatiently(running, outcome);
   if (delivered.ok()) return;
   // Refused: the attempt had been lost. Failed: the lease will run out, and the job be tried again.
   Log(LogLevel::kError, "outcome not recorded", {{"job", running.id()}, {"error", delivered.ToString()}});
+}
+
+// A database that is restarted is back within seconds, and an hour's work is worth waiting for: for as long as a lease
+// lasts, after which the job may be another's.
+Status JobRunner::Impl::DeliverPatiently(const RunningJob& running, const Result<Json>& outcome) {
+  constexpr milliseconds kPause{500};
+  const Stopwatch watch;
+  Status delivered = Deliver(running, outcome);
+  while (delivered.kind() == StatusKind::kUnavailable && !running.given_up() &&
+         watch.WallSeconds() * 1000 < static_cast<double>(options_.lease_ms)) {
+    std::this_thread::sleep_for(kPause);
+    delivered = Deliver(running, outcome);
+  }
+  return delivered;
 }
 
 Status JobRunner::Impl::Deliver(const RunningJob& running, const Result<Json>& outcome) {

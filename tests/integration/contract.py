@@ -16,7 +16,7 @@ SERVICE_OF_PORT = {"8081": "capture", "8082": "reconstruction", "8083": "analysi
 REGISTRATION = re.compile(r'\b[Aa]dd\(\s*"(GET|PUT|POST|DELETE|PATCH)",\s*"(/[^"]*)"')
 SOURCES_OF_SERVICE = {"capture": "services/capture", "reconstruction": "services/reconstruction",
                       "analysis": "services/defect_analysis"}
-SOURCE_OF_ALL = "shared/http"
+SOURCES_OF_ALL = ("shared/http", "shared/service")
 
 
 def as_template(pattern):
@@ -32,7 +32,7 @@ def registered_routes():
                 for method, pattern in REGISTRATION.findall(path.read_text()):
                     yield method.lower(), as_template(pattern)
 
-    common = list(in_folder(SOURCE_OF_ALL))
+    common = [route for folder in SOURCES_OF_ALL for route in in_folder(folder)]
     return {(service, method, path) for service, folder in SOURCES_OF_SERVICE.items()
             for method, path in [*in_folder(folder), *common]}
 

@@ -6,7 +6,7 @@
 The layers, lower first; a file includes its own folder and what is below it:
 
     base <- geometry <- image <- scene <- stage folders <- pipeline <- routes <- main
-    base <- store, jobs, http, which only a service's own files (pipeline, routes, main) include
+    base <- store, jobs, http <- service, which only a service's own files (pipeline, routes, main) include
 
 A stage folder never includes another stage. A service never includes another; the command line includes the stages and
 pipelines of all of them, for it runs them in one process. Headers of slow libraries stay in .cpp files.
@@ -26,9 +26,10 @@ SHARED = {  # folder of shared/ -> the folders of shared/ it may include beside 
     "store": {"base"},
     "jobs": {"base"},
     "http": {"base"},
+    "service": {"base", "store", "jobs", "http"},
 }
 COMPUTING = {"base", "geometry", "image", "scene"}
-SERVING = {"store", "jobs", "http"}
+SERVING = {"store", "jobs", "http", "service"}
 RANKS = ["pipeline", "routes", "main"]  # of the files that lie directly in a service's folder
 
 SLOW_HEADERS = re.compile(r"(pcl|ceres|opencv2|CLI|spdlog|prometheus)/|httplib\.h$|arv\.h$|sqlite3\.h$")

@@ -1,0 +1,64 @@
+#include "service/service_stores.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "jobs/sql/sql_job_store.h"
+#include "service/open_database.h"
+
+namespace drupe {
+
+namespace {
+
+constexpr double kMsPerSecond = 1000;
+
+void AddQueueGauges(Metrics& metrics, JobStore& jobs, const Clock& clock) {
+  const auto add = [&](const std::string& state, std::int64_t JobCounts::*member) {
+    metrics.AddGauge("drupe_jobs_" + state, "Jobs in this state; -1 while the database cannot be asked.",
+                     [&jobs, member] {
+                       const Result<JobCounts> counts = jobs.Counts();
+                       return counts.ok() ? static_cast<double>((*counts).*member) : -1.0;
+                     });
+  };
+  add("queued", &JobCounts::queued);
+  add("running", &JobCounts::running);
+  add("succeeded", &JobCounts::succeeded);
+  add("failed", &JobCounts::failed);
+  add("cancelled", &JobCounts::cancelled);
+  metrics.AddGauge("drupe_jobs_oldest_queued_seconds", "How long the oldest queued job has waited; 0 when none waits.",
+                   [&jobs, &clock] {
+                     const Result<JobCounts> counts = jobs.Counts();
+                     if (!counts.ok() || counts->oldest_queued_ms == 0) return 0.0;
+                     const std::int64_t age_ms = clock.NowMs() - counts->oldest_queued_ms;
+                     return static_cast<double>(std::max<std::int64_t>(0, age_ms)) / kMsPerSecond;
+                   });
+}
+
+void AddDiskGauge(Metrics& metrics, const std::filesystem::path& data) {
+  metrics.AddGauge("drupe_store_free_bytes", "Free space where the objects lie.", [data] {
+    std::error_code error;
+    const std::filesystem::space_info space = std::filesystem::space(data, error);
+    return error ? -1.0 : static_cast<double>(space.available);
+  });
+}
+
+}  // namespace
+
+Result<ServiceStores> OpenServiceStores(const ServiceOptions& options, const std::string& service) {
+  ServiceStores stores;
+  DRUPE_ASSIGN_OR_RETURN(stores.objects, ObjectStore::Open(options.data / "objects"));
+  DRUPE_ASSIGN_OR_RETURN(stores.database, OpenDatabase(options.jobs_url, options.data, service));
+  DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenJobStore(*stores.database));
+  return stores;
+}
+
+void WatchStores(Service& service, ServiceStores& stores) {
+  JobStore& jobs = *stores.jobs;
+  ObjectStore& objects = *stores.objects;
+  service.AddReadinessCheck("jobs", [&jobs] { return jobs.Counts().status(); });
+  service.AddReadinessCheck("objects", [&objects] { return objects.CheckWritable(); });
+  AddQueueGauges(service.metrics(), jobs, stores.database->clock());
+  AddDiskGauge(service.metrics(), service.options().data);
+}
+
+}  // namespace drupe
