@@ -10,9 +10,10 @@
 namespace drupe {
 namespace {
 
-constexpr int kFitCells = 32;    // a side of a face: cells of about 0.9 mm on a plum
-constexpr int kTableCells = 48;  // of the healthy colour's table
-constexpr int kDegree = 10;      // finest healthy structure: a tenth of the circumference
+constexpr int kFitCells = 32;                // a side of a face: cells of about 0.9 mm on a plum
+constexpr std::size_t kFitPoints = 400'000;  // that the medians are taken of: about 70 a cell
+constexpr int kTableCells = 48;              // of the healthy colour's table
+constexpr int kDegree = 10;                  // finest healthy structure: a tenth of the circumference
 constexpr double kSmoothness = 1e-7;
 constexpr double kMinScale = 1.5;  // weighted colour difference below which nothing is called an outlier
 
@@ -24,7 +25,8 @@ struct CellMedians {
 CellMedians MedianColours(const FruitCloud& fruit, float lightness_weight) {
   const CubeMap map(kFitCells);
   std::vector<std::vector<std::uint32_t>> points(map.size());
-  for (std::size_t i = 0; i < fruit.size(); ++i) {
+  const std::size_t step = std::max<std::size_t>(1, fruit.size() / kFitPoints);
+  for (std::size_t i = 0; i < fruit.size(); i += step) {
     points[map.CellOf(fruit.offsets[i])].push_back(static_cast<std::uint32_t>(i));
   }
   CellMedians medians;
@@ -92,6 +94,19 @@ Eigen::Vector4f Smooth(const std::vector<Eigen::Vector4f>& sums, const SkinMap& 
   return sum;
 }
 
+// The table's value at the middle of a cell of `map`: no angles are needed, since both divide a face evenly.
+Eigen::Vector3f AtCell(const CubeTable<Eigen::Vector3f>& table, const CubeMap& map, int cell) {
+  const float scale = static_cast<float>(kTableCells) / static_cast<float>(map.n());
+  const float across = scale * (static_cast<float>(cell % map.n()) + 0.5f);
+  const float down = scale * (static_cast<float>(cell / map.n() % map.n()) + 0.5f);
+  const int face = cell / (map.n() * map.n());
+  const int column = std::min(static_cast<int>(across), kTableCells - 1);
+  const int row = std::min(static_cast<int>(down), kTableCells - 1);
+  const float x = across - static_cast<float>(column), y = down - static_cast<float>(row);
+  const Eigen::Vector3f *upper = &table.Corner(face, column, row), *lower = &table.Corner(face, column, row + 1);
+  return (1 - y) * (upper[0] + x * (upper[1] - upper[0])) + y * (lower[0] + x * (lower[1] - lower[0]));
+}
+
 }  // namespace
 
 Result<SkinColours> MeasureDeviation(const FruitCloud& fruit, const SkinMap& map, const SegmentationOptions& options) {
@@ -108,7 +123,7 @@ Result<SkinColours> MeasureDeviation(const FruitCloud& fruit, const SkinMap& map
     const Eigen::Vector4f sum = Smooth(sums, map, cell);
     if (sum[3] <= 0) continue;
     colours.seen[cell] = 1;
-    colours.deviation[cell] = sum.head<3>() / sum[3] - healthy.At(map.map().DirectionOf(cell).cast<float>());
+    colours.deviation[cell] = sum.head<3>() / sum[3] - AtCell(healthy, map.map(), cell);
     sizes.push_back(colours.deviation[cell].norm());
   }
   colours.sigma = RobustSigma(std::move(sizes));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace drupe {
 namespace {
@@ -16,11 +17,23 @@ int CellsFor(const FruitCloud& fruit) {
   return std::clamp(static_cast<int>(std::sqrt(cells / 6)), kMinCells, kMaxCells);
 }
 
+// Mean over all directions of the squared distance to the skin.
+double MeanSquaredRadius(const FruitSurface& surface) {
+  constexpr int kCells = 24;
+  const CubeMap map(kCells);
+  double sum = 0;
+  for (int cell = 0; cell < map.size(); ++cell) {
+    const double radius = surface.RadiusAt(map.DirectionOf(cell).cast<float>());
+    sum += map.SolidAngle(cell) * radius * radius;
+  }
+  return sum / (4 * std::numbers::pi);
+}
+
 }  // namespace
 
-SkinMap::SkinMap(const FruitCloud& fruit) : map_(CellsFor(fruit)) {
+SkinMap::SkinMap(const FruitCloud& fruit) : surface_(fruit.surface), map_(CellsFor(fruit)) {
   SortPoints(fruit);
-  MeasureCells(fruit.surface);
+  cell_size_ = std::sqrt(4 * std::numbers::pi * MeanSquaredRadius(surface_) / map_.size());
 }
 
 void SkinMap::SortPoints(const FruitCloud& fruit) {
@@ -36,21 +49,15 @@ void SkinMap::SortPoints(const FruitCloud& fruit) {
   for (std::size_t i = 0; i < fruit.size(); ++i) order_[next[cell_of[i]]++] = static_cast<std::uint32_t>(i);
 }
 
-void SkinMap::MeasureCells(const FruitSurface& surface) {
-  area_.resize(map_.size());
-  neighbours_.resize(8 * static_cast<std::size_t>(map_.size()));
-  double sum = 0;
-  for (int cell = 0; cell < map_.size(); ++cell) {
-    const float radius = surface.RadiusAt(map_.DirectionOf(cell).cast<float>());
-    area_[cell] = static_cast<float>(map_.SolidAngle(cell)) * radius * radius;
-    sum += area_[cell];
-    std::int32_t* neighbours = &neighbours_[8 * static_cast<std::size_t>(cell)];
-    for (const auto& [columns, rows] :
-         {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}) {
-      *neighbours++ = map_.Neighbour(cell, columns, rows);
-    }
-  }
-  cell_size_ = std::sqrt(sum / map_.size());
+float SkinMap::AreaOf(int cell) const {
+  const float radius = surface_.RadiusAt(map_.DirectionOf(cell).cast<float>());
+  return static_cast<float>(map_.SolidAngle(cell)) * radius * radius;
+}
+
+std::array<std::int32_t, 8> SkinMap::NeighboursAtEdge(int cell) const {
+  return {map_.Neighbour(cell, 1, 0),  map_.Neighbour(cell, -1, 0), map_.Neighbour(cell, 0, 1),
+          map_.Neighbour(cell, 0, -1), map_.Neighbour(cell, 1, 1),  map_.Neighbour(cell, -1, 1),
+          map_.Neighbour(cell, 1, -1), map_.Neighbour(cell, -1, -1)};
 }
 
 }  // namespace drupe

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,23 +25,24 @@ class SkinMap {
   }
   int CountOf(int cell) const { return static_cast<int>(first_[cell + 1] - first_[cell]); }
   /// Area of the skin in a cell, mm2.
-  float AreaOf(int cell) const { return area_[cell]; }
+  float AreaOf(int cell) const;
   /// Distance between the middles of neighbouring cells, mm, on average.
   double CellSize() const { return cell_size_; }
   /// The four cells that share an edge with a cell, and the four that share a corner only.
-  std::span<const std::int32_t, 8> NeighboursOf(int cell) const {
-    return std::span<const std::int32_t, 8>(neighbours_.data() + 8 * static_cast<std::size_t>(cell), 8);
+  std::array<std::int32_t, 8> NeighboursOf(int cell) const {
+    const int n = map_.n(), column = cell % n, row = cell / n % n;
+    if (column == 0 || column == n - 1 || row == 0 || row == n - 1) return NeighboursAtEdge(cell);
+    return {cell + 1, cell - 1, cell + n, cell - n, cell + n + 1, cell + n - 1, cell - n + 1, cell - n - 1};
   }
 
  private:
   void SortPoints(const FruitCloud& fruit);
-  void MeasureCells(const FruitSurface& surface);
+  std::array<std::int32_t, 8> NeighboursAtEdge(int cell) const;
 
+  FruitSurface surface_;
   CubeMap map_;
   std::vector<std::uint32_t> first_;  ///< where each cell's points begin in order_; size() + 1 values
   std::vector<std::uint32_t> order_;
-  std::vector<float> area_;
-  std::vector<std::int32_t> neighbours_;
   double cell_size_ = 0;
 };
 
