@@ -22,7 +22,7 @@ struct MatchingOptions {
   double min_angle_deg = 1.0;
   /// Features of each picture, the coarsest ones, that are compared with all of the other; the rest are matched along
   /// the epipolar lines these have given. 0: all are compared.
-  int exhaustive_features = 4'000;
+  int exhaustive_features = 2'000;
   bool guided = true;              ///< second matching along epipolar lines, over all features
   double guided_max_ratio = 0.7;   ///< 0..1; as max_ratio, among the candidates near the epipolar line
   bool drop_static = true;         ///< leave out features of the background that stands still in the picture

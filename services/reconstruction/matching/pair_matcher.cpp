@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
+#include "reconstruction/matching/descriptor_matching.h"
 #include "reconstruction/matching/guided.h"
 #include "reconstruction/matching/homography.h"
 #include "reconstruction/matching/relative_pose.h"
@@ -45,44 +45,6 @@ T Quantile(std::vector<T> values, double share) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-/// Features asked first, coarsest of all; a pair in which fewer than so many of them pass the ratio test is given up.
-constexpr std::uint32_t kVanguard = 800;
-constexpr std::ptrdiff_t kVanguardMinPassed = 4;
-
-/// The nearest of each packed feature; cut short when the vanguard finds too little (Wu 2013, preemptive matching).
-std::vector<Nearest> FindForward(const PreparedPicture& first, const PreparedPicture& second, double max_ratio) {
-  std::vector<std::uint32_t> queries(first.packed.size());
-  std::iota(queries.begin(), queries.end(), 0u);
-  const std::size_t vanguard = std::min<std::size_t>(kVanguard, queries.size());
-  std::vector<Nearest> nearest = FindNearest(first.packed, std::span(queries).first(vanguard), second.packed);
-  const auto passed = std::count_if(nearest.begin(), nearest.end(),
-                                    [max_ratio](const Nearest& candidate) { return candidate.Passes(max_ratio); });
-  if (passed < kVanguardMinPassed) return nearest;
-  const std::vector<Nearest> rest = FindNearest(first.packed, std::span(queries).subspan(vanguard), second.packed);
-  nearest.insert(nearest.end(), rest.begin(), rest.end());
-  return nearest;
-}
-
-/// All with all, ratio test and mutual check.
-Matches MatchExhaustively(const PreparedPicture& first, const PreparedPicture& second, double max_ratio) {
-  const std::vector<Nearest> forward = FindForward(first, second, max_ratio);
-  // The way back is asked of the few that pass alone.
-  std::vector<std::uint32_t> passed, partners;
-  for (std::uint32_t i = 0; i < forward.size(); ++i) {
-    if (!forward[i].Passes(max_ratio)) continue;
-    passed.push_back(i);
-    partners.push_back(static_cast<std::uint32_t>(forward[i].index));
-  }
-  const std::vector<Nearest> backward = FindNearest(second.packed, partners, first.packed);
-  Matches matches;
-  for (std::size_t k = 0; k < passed.size(); ++k) {
-    if (backward[k].index == static_cast<std::int32_t>(passed[k])) {
-      matches.Add({passed[k], partners[k]}, first, second);
-    }
-  }
-  return matches;
 }
 
 /// What the verified matches say about where further ones can lie.
@@ -155,7 +117,9 @@ class PairMatcher {
       : first_(first), second_(second), options_(options), max_error_(options.max_error_px / focal_px), seed_(seed) {}
 
   std::optional<TwoViewMatches> Run(ImagePair pair) {
-    putative_ = MatchExhaustively(first_, second_, options_.max_ratio);
+    for (const FeatureMatch& match : MatchDescriptors(first_, second_, options_.max_ratio)) {
+      putative_.Add(match, first_, second_);
+    }
     if (!IsEnough(putative_)) return std::nullopt;
     const std::optional<RelativePose> sampled =
         EstimateRelativePose(putative_.points, {max_error_, options_.confidence, options_.max_iterations, seed_});
