@@ -29,6 +29,8 @@ Json ViewJson(const View& view) {
     json["t"] = {t.x(), t.y(), t.z()};
     json["mean_reprojection_error_px"] = view.mean_reprojection_error_px;
     json["observations"] = view.observation_count;
+    if (view.centre_sigma > 0) json["centre_sigma"] = view.centre_sigma;
+    if (view.rotation_sigma_deg > 0) json["rotation_sigma_deg"] = view.rotation_sigma_deg;
   } else {
     json["R"] = nullptr;
     json["t"] = nullptr;
@@ -50,6 +52,10 @@ bool ReadNumbers(const Json& json, double* out, std::size_t count) {
     if (!std::isfinite(out[i])) return false;
   }
   return true;
+}
+
+void ReadIfNumber(const Json& json, const char* key, double& value) {
+  if (json.contains(key) && json[key].is_number()) value = json[key].get<double>();
 }
 
 bool ReadRotation(const Json& json, Eigen::Matrix3d& rotation) {
@@ -77,9 +83,9 @@ Result<View> ParseView(const Json& json, const std::string& field) {
   if (!json.contains("t") || !ReadNumbers(json["t"], t, 3)) return Invalid("must have 3 finite numbers", field + ".t");
   pose.translation = Eigen::Vector3d(t[0], t[1], t[2]);
   view.cam_from_world = pose;
-  if (json.contains("mean_reprojection_error_px") && json["mean_reprojection_error_px"].is_number()) {
-    view.mean_reprojection_error_px = json["mean_reprojection_error_px"].get<double>();
-  }
+  ReadIfNumber(json, "mean_reprojection_error_px", view.mean_reprojection_error_px);
+  ReadIfNumber(json, "centre_sigma", view.centre_sigma);
+  ReadIfNumber(json, "rotation_sigma_deg", view.rotation_sigma_deg);
   return view;
 }
 

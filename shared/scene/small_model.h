@@ -23,6 +23,7 @@ inline SparseModel SmallModel() {
   for (int v = 0; v < 3; ++v) {
     View view;
     view.image = std::to_string(v) + ".jpg";
+    if (v == 2) view.centre_sigma = 0.004, view.rotation_sigma_deg = 0.002;
     if (v == 1) {
       view.reason = "shares 3 points with the other pictures, 15 are needed";
     } else {
@@ -40,6 +41,7 @@ inline SparseModel SmallModel() {
   track.colour << 200, 100, 50;
   track.observations = {{0, 7, {100.5f, 50.25f}}, {2, 9, {110.75f, 60.0f}}};
   track.mean_reprojection_error_px = 0.5;
+  track.position_sigma = 0.0625;
   model.tracks.push_back(track);
   track.position = Eigen::Vector3d(4, 5, 6);
   track.observations = {{0, 3, {20.0f, 30.0f}}, {2, 1, {25.0f, 35.0f}}};

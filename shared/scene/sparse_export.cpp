@@ -47,14 +47,18 @@ double SampleChannel(const RgbImage& image, const Eigen::Vector2f& pixel, int ch
 std::string SparsePly(const SparseModel& model) {
   std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(model.tracks.size()) +
                     "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-                    "property uchar blue\nend_header\n";
-  constexpr std::size_t kVertexBytes = 3 * sizeof(float) + 3;
+                    "property uchar blue\nproperty float sigma\nproperty float error\nend_header\n";
+  constexpr std::size_t kColourStart = 3 * sizeof(float), kQualityStart = kColourStart + 3;
+  constexpr std::size_t kVertexBytes = kQualityStart + 2 * sizeof(float);
   ply.reserve(ply.size() + kVertexBytes * model.tracks.size());
   for (const Track& track : model.tracks) {
     char vertex[kVertexBytes];
     const Eigen::Vector3f position = track.position.cast<float>();
     std::memcpy(vertex, position.data(), 3 * sizeof(float));
-    std::memcpy(vertex + 3 * sizeof(float), track.colour.data(), 3);
+    const float quality[] = {static_cast<float>(track.position_sigma),
+                             static_cast<float>(track.mean_reprojection_error_px)};
+    std::memcpy(vertex + kColourStart, track.colour.data(), 3);
+    std::memcpy(vertex + kQualityStart, quality, sizeof quality);
     ply.append(vertex, kVertexBytes);
   }
   return ply;

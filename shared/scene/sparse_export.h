@@ -7,7 +7,8 @@
 
 namespace drupe {
 
-/// Binary little-endian PLY: float x y z and uchar red green blue of every track.
+/// Binary little-endian PLY: float x y z, uchar red green blue of every track, float sigma (standard uncertainty of the
+/// position, in the unit of x y z; 0: not known) and error (mean reprojection error, pixels).
 std::string SparsePly(const SparseModel& model);
 
 /// A VisualSFM model (NVM_V3). Its camera has one focal length, one radial coefficient of another form and coordinates

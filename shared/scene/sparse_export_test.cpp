@@ -25,11 +25,14 @@ TEST(SparsePlyTest, NominalHoldsPositionsAndColours) {
   const std::string ply = SparsePly(SmallModel());
   const std::size_t body = ply.find("end_header\n") + 11;
   EXPECT_NE(ply.find("element vertex 2\n"), std::string::npos);
-  ASSERT_EQ(ply.size() - body, 2u * 15);
-  float position[3];
+  ASSERT_EQ(ply.size() - body, 2u * 23);
+  float position[3], quality[2];
   std::memcpy(position, ply.data() + body, sizeof position);
   EXPECT_EQ(position[2], -3.75f);
   EXPECT_EQ(static_cast<unsigned char>(ply[body + 12]), 200);
+  std::memcpy(quality, ply.data() + body + 15, sizeof quality);
+  EXPECT_EQ(quality[0], 0.0625f);
+  EXPECT_EQ(quality[1], 0.5f);
 }
 
 TEST(NvmTest, NominalNumbersRegisteredViewsOnly) {
@@ -54,6 +57,9 @@ TEST(CamerasJsonTest, ReadsBackWhatItWrote) {
   EXPECT_EQ(read->views[2].cam_from_world->translation, model.views[2].cam_from_world->translation);
   EXPECT_EQ(read->views[2].cam_from_world->rotation, model.views[2].cam_from_world->rotation);
   EXPECT_EQ(read->views[1].reason, model.views[1].reason);
+  EXPECT_EQ(read->views[2].centre_sigma, 0.004);
+  EXPECT_EQ(read->views[2].rotation_sigma_deg, 0.002);
+  EXPECT_FALSE(json["cameras"][0].contains("centre_sigma"));  // not known
   EXPECT_EQ(read->camera.dist, model.camera.dist);
   EXPECT_EQ(read->scale_source, ScaleSource::kBoard);
 }

@@ -21,6 +21,8 @@ struct View {
   std::string reason;                     ///< why it is not registered; empty when it is
   double mean_reprojection_error_px = 0;  ///< over its observations
   int observation_count = 0;
+  double centre_sigma = 0;        ///< standard uncertainty of the camera's centre, world unit; 0: not known
+  double rotation_sigma_deg = 0;  ///< standard uncertainty of the rotation's angle
 };
 
 /// Where a track is seen: undistorted nowhere, the pixel as detected.
@@ -36,6 +38,7 @@ struct Track {
   Eigen::Matrix<std::uint8_t, 3, 1> colour = Eigen::Matrix<std::uint8_t, 3, 1>::Zero();  ///< RGB
   std::vector<Observation> observations;               ///< ascending by view, one a view
   double mean_reprojection_error_px = 0;
+  double position_sigma = 0;  ///< standard uncertainty of the position, world unit; 0: not known
 };
 
 /// Result of structure from motion: one camera, the poses of the views, the tracks. With a board, the world is the

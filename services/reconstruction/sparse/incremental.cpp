@@ -7,6 +7,7 @@
 #include <string>
 
 #include "reconstruction/sparse/pose_estimation.h"
+#include "reconstruction/sparse/stray_tracks.h"
 #include "reconstruction/sparse/track_triangulation.h"
 
 namespace drupe {
@@ -24,14 +25,6 @@ TriangulationOptions TriangulationFrom(const SparseOptions& options) {
   triangulation.max_error_px = options.max_reprojection_error_px;
   triangulation.min_angle_rad = options.min_triangulation_angle_deg * std::numbers::pi / 180;
   return triangulation;
-}
-
-AdjustmentOptions AdjustmentFrom(const SparseOptions& options) {
-  AdjustmentOptions adjustment;
-  adjustment.feature_loss_px = options.feature_loss_px;
-  adjustment.board_loss_px = options.board_loss_px;
-  adjustment.method = options.adjustment;
-  return adjustment;
 }
 
 int CountVisibleTracks(const SfmState& state, int view) {
@@ -152,7 +145,7 @@ class Growth {
   Status Settle(int view) {
     const TriangulationOptions triangulation = TriangulationFrom(options_);
     DRUPE_RETURN_IF_ERROR(UpdateTracks(state_, triangulation, context_));
-    AdjustmentOptions adjustment = AdjustmentFrom(options_);
+    AdjustmentOptions adjustment = LossesFrom(options_);
     adjustment.max_iterations = 10;
     adjustment.function_tolerance = 1e-4;
     const bool is_global = state_.RegisteredCount() >= kGlobalGrowth * last_global_count_;
@@ -187,13 +180,21 @@ bool DropWeakViews(const SparseOptions& options, SfmState& state) {
 
 }  // namespace
 
+AdjustmentOptions LossesFrom(const SparseOptions& options) {
+  AdjustmentOptions adjustment;
+  adjustment.feature_loss_px = options.feature_loss_px;
+  adjustment.board_loss_px = options.board_loss_px;
+  adjustment.method = options.adjustment;
+  return adjustment;
+}
+
 Status GrowModel(const std::vector<std::optional<Rigid3>>& board_poses, const SparseOptions& options,
                  const RunContext& context, SfmState& state) {
   return Growth(board_poses, options, context, state).Run();
 }
 
 Status SettleModel(const SparseOptions& options, const RunContext& context, SfmState& state) {
-  AdjustmentOptions adjustment = AdjustmentFrom(options);
+  AdjustmentOptions adjustment = LossesFrom(options);
   adjustment.max_iterations = 10;
   adjustment.function_tolerance = 1e-3;
   DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
@@ -213,7 +214,7 @@ Status CloseSeams(const SparseOptions& options, const RunContext& context, SfmSt
 Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrinsics, const RunContext& context,
                                 SfmState& state) {
   TriangulationOptions triangulation = TriangulationFrom(options);
-  AdjustmentOptions adjustment = AdjustmentFrom(options);
+  AdjustmentOptions adjustment = LossesFrom(options);
   adjustment.refine_intrinsics = refine_intrinsics;
   adjustment.function_tolerance = 1e-4;
   NoiseLevels noise;
@@ -230,6 +231,7 @@ Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrin
         std::min(options.max_reprojection_error_px, std::max(kMinGatePx, kGateSigmas * noise.feature_px));
     DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
     if (DropWeakViews(options, state)) DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
+    DropStrayTracks(state);
   }
   return noise;
 }

@@ -8,6 +8,9 @@
 
 namespace drupe {
 
+/// The adjustment's losses and method that the options ask for, with the noise still to be estimated.
+AdjustmentOptions LossesFrom(const SparseOptions& options);
+
 /// Adds view after view to a state that has some: the one that sees most tracks with a position comes next (paper
 /// 3.1.2 (4)), its pose from these, then new tracks, a local adjustment, and from time to time an adjustment of
 /// everything. `board_poses` place views that features cannot, in a metric state. Ends when no view can be added; those

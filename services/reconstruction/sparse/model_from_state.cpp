@@ -1,6 +1,7 @@
 #include "reconstruction/sparse/model_from_state.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "geometry/sim3.h"
 #include "reconstruction/sparse/board_frame.h"
@@ -56,14 +57,16 @@ void NormaliseFrame(SfmState& state) {
   for (SfmTrack& track : state.tracks) track.position = new_from_old * track.position;
 }
 
-SparseModel ModelFromState(const SparseInput& input, const SfmState& state) {
+SparseModel ModelFromState(const SparseInput& input, const SfmState& state, const ModelUncertainty& uncertainty) {
   SparseModel model;
   model.camera = state.camera;
   model.intrinsics_source = input.intrinsics_source;
   model.scale_source = state.is_metric ? ScaleSource::kBoard : ScaleSource::kNone;
   std::vector<Mean> view_errors(state.ViewCount());
-  for (const SfmTrack& track : state.tracks) {
-    if (track.has_position) model.tracks.push_back(TrackFrom(state, track, view_errors));
+  for (std::size_t t = 0; t < state.tracks.size(); ++t) {
+    if (!state.tracks[t].has_position) continue;
+    model.tracks.push_back(TrackFrom(state, state.tracks[t], view_errors));
+    model.tracks.back().position_sigma = uncertainty.position_sigma[t];
   }
   Mean all;
   for (int v = 0; v < state.ViewCount(); ++v) {
@@ -73,6 +76,8 @@ SparseModel ModelFromState(const SparseInput& input, const SfmState& state) {
     if (!state.poses[v]) view.reason = state.reasons[v];
     view.mean_reprojection_error_px = view_errors[v].Value();
     view.observation_count = view_errors[v].count;
+    view.centre_sigma = uncertainty.centre_sigma[v];
+    view.rotation_sigma_deg = uncertainty.rotation_sigma_rad[v] * 180 / std::numbers::pi;
     all.sum += view_errors[v].sum, all.count += view_errors[v].count;
     model.views.push_back(std::move(view));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "reconstruction/sparse/sfm_state.h"
+#include "reconstruction/sparse/uncertainty.h"
 
 namespace drupe {
 
@@ -8,8 +9,8 @@ namespace drupe {
 /// the cameras from their middle as the unit of length.
 void NormaliseFrame(SfmState& state);
 
-/// The result of structure from motion with its residuals: views in the order of the input, tracks with a position and
-/// their active observations.
-SparseModel ModelFromState(const SparseInput& input, const SfmState& state);
+/// The result of structure from motion with its residuals and uncertainties: views in the order of the input, tracks
+/// with a position and their active observations.
+SparseModel ModelFromState(const SparseInput& input, const SfmState& state, const ModelUncertainty& uncertainty);
 
 }  // namespace drupe

@@ -213,4 +213,21 @@ double ShareElimination::MoveTracks(double damping, const std::vector<Rigid3>& p
   return cost;
 }
 
+Eigen::Matrix3d ShareElimination::TrackCovariance(int track, const Eigen::MatrixXd& shared_covariance) const {
+  TrackEquations equations;
+  FormTrack(state_.tracks[track], equations);
+  const auto place_of = [this](const Tie& tie) { return 6 * layout_.place_of_shared[share_.views[tie.place]]; };
+  Eigen::Matrix3d from_views = Eigen::Matrix3d::Zero();
+  for (const Tie& a : equations.ties) {
+    Matrix63 moved = Matrix63::Zero();  // what the other views' steps do to the track, as seen from a
+    for (const Tie& b : equations.ties) {
+      const Matrix63 coupling = b.observation.by_pose.transpose() * b.observation.by_point;
+      moved.noalias() += shared_covariance.block<6, 6>(place_of(a), place_of(b)) * coupling;
+    }
+    from_views.noalias() += (a.observation.by_pose.transpose() * a.observation.by_point).transpose() * moved;
+  }
+  const Eigen::Matrix3d own = equations.DampedInverse(0);
+  return own + own * from_views * own;
+}
+
 }  // namespace drupe

@@ -33,6 +33,9 @@ class ShareElimination {
   /// `poses` (per view) and `ink_spread_mm`; infinite when a point is behind its camera. `positions`: per track.
   double MoveTracks(double damping, const std::vector<Rigid3>& poses, double ink_spread_mm,
                     std::vector<Eigen::Vector3d>& positions) const;
+  /// Covariance of a track's position, given that of the shared parameters, when every view is shared: what its rays
+  /// leave open, and what the views' own uncertainty adds.
+  Eigen::Matrix3d TrackCovariance(int track, const Eigen::MatrixXd& shared_covariance) const;
   /// Step of the k-th view of the share, after SolveInner.
   PoseStep StepOf(int k) const { return step_.segment<6>(6 * k); }
   /// Cost of the share at the state, after Linearise.

@@ -100,7 +100,9 @@ Result<SparseModel> RunSparse(const SparseInput& input, const SparseOptions& opt
   DRUPE_ASSIGN_OR_RETURN(const NoiseLevels noise, FinishModel(options, input.refine_intrinsics, context, state));
   DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));
   if (!state.is_metric) NormaliseFrame(state);
-  SparseModel model = ModelFromState(input, state);
+  DRUPE_ASSIGN_OR_RETURN(const ModelUncertainty uncertainty,
+                         EstimateUncertainty(state, noise, LossesFrom(options), context));
+  SparseModel model = ModelFromState(input, state, uncertainty);
   if (state.is_metric) model.scale_relative_sigma = ScaleRelativeSigma(state, noise.board_px);
   context.Report("sparse", 1);
   return model;
