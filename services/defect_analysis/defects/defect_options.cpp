@@ -41,6 +41,7 @@ requires std::same_as<std::remove_const_t<Options>, PlaneOptions>
 void VisitFields(Options& o, const Visit& visit) {
   visit("iterations", o.iterations);
   visit("distance", o.distance);
+  visit("distance_mm", o.distance_mm);
 }
 
 template <typename Options, typename Visit>
@@ -118,6 +119,7 @@ Status ClusterOptions::Check() const {
 Status PlaneOptions::Check() const {
   if (iterations < 1 || iterations > 10000) return Refuse("plane.iterations", "1 to 10000");
   if (!IsWithin(distance, 0, 1)) return Refuse("plane.distance", "0 to 1");
+  if (!IsWithin(distance_mm, 0, 10)) return Refuse("plane.distance_mm", "0 to 10");
   return Status::Ok();
 }
 

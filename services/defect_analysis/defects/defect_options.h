@@ -35,6 +35,7 @@ struct ClusterOptions {
 struct PlaneOptions {
   int iterations = 8;       ///< of RANSAC; 1..10000
   double distance = 0.007;  ///< inlier distance as a share of the defect's diameter (its largest extent)
+  double distance_mm = 0;   ///< inlier distance in mm, in place of that share; 0: the share; 0..10
 
   Status Check() const;
 };

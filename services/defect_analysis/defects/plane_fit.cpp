@@ -58,7 +58,8 @@ Plane LeastSquares(const std::vector<Eigen::Vector3d>& points) {
 Result<DefectPlane> FitDefectPlane(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& outward,
                                    double noise_mm, const PlaneOptions& options, std::uint64_t seed) {
   if (points.size() < 3) return Unprocessable("degenerate_plane", "a plane needs three points");
-  const double distance = std::max(options.distance * ExtentOf(points), noise_mm);
+  const double asked = options.distance_mm > 0 ? options.distance_mm : options.distance * ExtentOf(points);
+  const double distance = std::max(asked, noise_mm);
   const Plane trial = BestTrial(points, distance, options.iterations, seed);
   std::vector<Eigen::Vector3d> inliers;
   for (const Eigen::Vector3d& x : points) {

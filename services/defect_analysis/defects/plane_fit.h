@@ -11,7 +11,7 @@
 namespace drupe {
 
 /// The plane of a defect (paper 4.2 (1), Figures 9 and 10): RANSAC with `iterations` trials and an inlier distance of
-/// `distance` times the points' extent, but at least `noise_mm`, then least squares over the inliers. `outward` gives
+/// `distance_mm`, or `distance` times the points' extent, but at least `noise_mm`, then least squares over the inliers. `outward` gives
 /// the normal its sign. mean_abs_z_mm is over all points, after rotation into the plane. Errors: 422
 /// `degenerate_plane` for fewer than 3 points or points on a line.
 Result<DefectPlane> FitDefectPlane(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& outward,

@@ -6,7 +6,7 @@
 namespace drupe {
 namespace {
 
-constexpr double kStepPerKernel = 0.25;  // of the kernel's standard deviation: what linear interpolation follows
+constexpr double kStepPerKernel = 0.2;  // of the kernel's standard deviation: what linear interpolation follows
 constexpr int kMinNodes = 9;
 constexpr int kMaxNodes = 160;
 
