@@ -11,6 +11,9 @@ TEST(ReconstructionOptions, WhatIsWrittenReadsBackTheSame) {
   options.dense.scene = DenseOptions::Scene::kAll;
   options.dense.csize = 3;
   options.matching.max_ratio = 0.65;
+  options.cycles.max_rotation_deg = 7;
+  options.sparse.method = SparseMethod::kWhole;
+  options.sparse.adjustment = AdjustmentMethod::kMonolithic;
   options.run_dense = false;
   const auto read = ParseReconstructionOptions(ToJson(options));
   ASSERT_TRUE(read.ok()) << read.status().ToString();
@@ -33,6 +36,8 @@ TEST(ReconstructionOptions, MistakesAreNamedWithTheirPath) {
       {R"({"dense": {"scene": "board"}})", "options.dense.scene"},
       {R"({"matching": {"max_ratio": "high"}})", "options.matching.max_ratio"},
       {R"({"sparse": 7})", "options.sparse"},
+      {R"({"sparse": {"method": "parts"}})", "options.sparse.method"},
+      {R"({"sparse": {"adjustment": true}})", "options.sparse.adjustment"},
   };
   for (const auto& [text, field] : cases) {
     const auto read = ParseReconstructionOptions(*ParseJson(text));

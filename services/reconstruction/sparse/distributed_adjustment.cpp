@@ -1,9 +1,12 @@
 #include "reconstruction/sparse/distributed_adjustment.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
 
 #include "base/parallel.h"
 #include "reconstruction/sparse/share_elimination.h"
@@ -14,6 +17,21 @@ namespace {
 constexpr double kFirstDamping = 1e-4;
 constexpr double kLeastDamping = 1e-9;
 constexpr double kMostDamping = 1e6;
+constexpr Eigen::Index kMostDenseParameters = 600;
+
+/// Solves the reduced system, of which `normal` holds the lower triangle. Nothing when it is not positive definite. In
+/// larger sets most views have no track in common, and the system is treated as the sparse one it is.
+std::optional<Eigen::VectorXd> SolveReduced(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right) {
+  if (normal.rows() <= kMostDenseParameters) {
+    const Eigen::LLT<Eigen::MatrixXd> solver(normal);
+    if (solver.info() != Eigen::Success) return std::nullopt;
+    return solver.solve(right);
+  }
+  const Eigen::SparseMatrix<double> sparse = normal.sparseView();
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(sparse);
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  return solver.solve(right);
+}
 
 /// One adjustment: the shares, and the loop that brings them together.
 class DistributedAdjustment {
@@ -66,9 +84,9 @@ class DistributedAdjustment {
     normal.diagonal() += damping * diagonal.cwiseMax(1e-6);
     shared_step_ = gradient;
     if (size == 0) return true;
-    const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-    if (solver.info() != Eigen::Success) return false;
-    shared_step_ = -solver.solve(gradient);
+    const std::optional<Eigen::VectorXd> step = SolveReduced(normal, -gradient);
+    if (!step) return false;
+    shared_step_ = *step;
     return shared_step_.allFinite();
   }
 

@@ -54,6 +54,19 @@ TEST(DistributedAdjustmentTest, ReachesTheCostOfTheUndividedProblem) {
   }
 }
 
+TEST(DistributedAdjustmentTest, ReachesItWithManyViews) {
+  SyntheticScene::Options options;
+  options.views = 120, options.points = 250;
+  SfmState distributed = Disturbed(SyntheticScene(options), true);
+  ShareByOrder(10, distributed);
+  SfmState monolithic = distributed;
+  const AdjustmentScope all = AdjustmentScope::Everything(distributed);
+  ASSERT_TRUE(AdjustDistributed(distributed, all, Thorough(), RunContext{}).ok());
+  ASSERT_TRUE(AdjustMonolithic(monolithic, all, Thorough(), RunContext{}).ok());
+  const double expected = AdjustmentCost(monolithic, Thorough());
+  EXPECT_NEAR(AdjustmentCost(distributed, Thorough()), expected, 1e-3 * expected);
+}
+
 TEST(DistributedAdjustmentTest, SharesKeepTheirInnerViewsToThemselves) {
   SfmState state = Disturbed(SyntheticScene{}, true);
   // Without what reaches from arc to arc, the views between the shared ones are nobody else's.

@@ -8,8 +8,6 @@
 namespace drupe {
 namespace {
 
-using Matrix63 = Eigen::Matrix<double, 6, 3>;
-
 constexpr double kSmallestDiagonal = 1e-6;  // a parameter that nothing determines still has a damped equation
 
 /// Corner of the board as printed.
@@ -79,19 +77,22 @@ void ShareElimination::FormTrack(const SfmTrack& track, TrackEquations& equation
 void ShareElimination::EliminateTrack(const TrackEquations& equations, double damping) {
   const Eigen::Matrix3d inverse = equations.DampedInverse(damping);
   const Eigen::Vector3d point_step = inverse * equations.gradient;
-  for (const Tie& a : equations.ties) {
-    const auto& by_pose = a.observation.by_pose;
-    const Eigen::Matrix<double, 6, 6> own = by_pose.transpose() * by_pose;
-    const Matrix63 coupling = by_pose.transpose() * a.observation.by_point;
-    const Matrix63 eliminated = coupling * inverse;
-    const int row = 6 * a.place;
+  couplings_.clear();
+  for (const Tie& tie : equations.ties) {
+    couplings_.push_back(tie.observation.by_pose.transpose() * tie.observation.by_point);
+  }
+  for (std::size_t a = 0; a < equations.ties.size(); ++a) {
+    const LinearisedObservation& observation = equations.ties[a].observation;
+    const Eigen::Matrix<double, 6, 6> own = observation.by_pose.transpose() * observation.by_pose;
+    const Matrix63 eliminated = couplings_[a] * inverse;
+    const int row = 6 * equations.ties[a].place;
     normal_.block<6, 6>(row, row) += own;
     diagonal_.segment<6>(row) += own.diagonal();
-    gradient_.segment<6>(row).noalias() += by_pose.transpose() * a.observation.residual - coupling * point_step;
-    for (const Tie& b : equations.ties) {
-      if (b.place > a.place) continue;
-      const Matrix63 other = b.observation.by_pose.transpose() * b.observation.by_point;
-      normal_.block<6, 6>(row, 6 * b.place).noalias() -= eliminated * other.transpose();
+    gradient_.segment<6>(row).noalias() +=
+        observation.by_pose.transpose() * observation.residual - couplings_[a] * point_step;
+    for (std::size_t b = 0; b < equations.ties.size(); ++b) {
+      const int column = 6 * equations.ties[b].place;
+      if (column <= row) normal_.block<6, 6>(row, column).noalias() -= eliminated * couplings_[b].transpose();
     }
   }
 }

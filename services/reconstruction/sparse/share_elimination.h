@@ -42,6 +42,8 @@ class ShareElimination {
   double cost() const { return cost_; }
 
  private:
+  using Matrix63 = Eigen::Matrix<double, 6, 3>;
+
   struct Tie {  ///< an observation by a moving view, weighted by the loss
     int place;  ///< of the view in the share
     LinearisedObservation observation;
@@ -68,8 +70,9 @@ class ShareElimination {
   const TrackShare& share_;
   const AdjustmentOptions& options_;
   CauchyLoss feature_loss_, board_loss_;
-  std::vector<int> place_;  ///< per view, its place in the share; -1: fixed
-  Eigen::MatrixXd normal_;  ///< lower triangle
+  std::vector<int> place_;           ///< per view, its place in the share; -1: fixed
+  std::vector<Matrix63> couplings_;  ///< of the track at hand, one a tie
+  Eigen::MatrixXd normal_;           ///< lower triangle
   Eigen::VectorXd gradient_, diagonal_, step_;
   Eigen::LLT<Eigen::MatrixXd> inner_;
   Eigen::MatrixXd inner_by_shared_;  ///< inverse of the inner block times its coupling
