@@ -34,6 +34,7 @@ struct Defect {
   double area_uncertainty_mm2 = 0;
   double planar_area_mm2 = 0;  ///< of the contour in the fitted plane (Heron's triangles, paper 4.2 (2))
   double perimeter_mm = 0;
+  double perimeter_uncertainty_mm = 0;
   double roundness = 0;  ///< 4 pi A / P^2
   DefectPlane plane;
   std::vector<Eigen::Vector3d> contour_mm;  ///< closed B-spline, sampled; the first point is not repeated
@@ -48,9 +49,13 @@ struct Fruit {
   DefectClass grade = DefectClass::kIntact;
   Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
   double volume_mm3 = 0;
+  double volume_uncertainty_mm3 = 0;
   double surface_area_mm2 = 0;
+  double surface_area_uncertainty_mm2 = 0;
   double equatorial_diameter_mm = 0;
+  double equatorial_uncertainty_mm = 0;
   double polar_diameter_mm = 0;
+  double polar_uncertainty_mm = 0;
   double sphericity = 0;  ///< area of the sphere of equal volume over the fruit's area; 1 for a sphere
   Eigen::Vector3d mean_lab = Eigen::Vector3d::Zero();
   double observed_surface_pct = 0;

@@ -16,6 +16,9 @@ namespace drupe {
 /// `bench background`: fruit against background by colour (paper Table 4).
 void AddBackgroundBench(CLI::App& bench, int& exit_code);
 
+/// `bench defects`: found, false, class, grade, areas and their uncertainties.
+void AddDefectsBench(CLI::App& bench, int& exit_code);
+
 /// Prints the message of a failed bench to stderr; the exit code for it.
 int BenchExitCode(const Status& status);
 

@@ -1,0 +1,155 @@
+#include "scene/random_skin.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+
+#include "image/colour.h"
+
+namespace drupe {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kLeastContrast = 14;  // Lab units with L halved: what a grader sees at a glance
+
+Eigen::Vector3d LinearOf(double r, double g, double b) {
+  return (Eigen::Vector3d(r, g, b) / 255).array().pow(2.2);
+}
+
+double Contrast(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  Eigen::Vector3f difference = LabFromLinear(a.cast<float>()) - LabFromLinear(b.cast<float>());
+  difference[0] *= 0.5f;
+  return difference.norm();
+}
+
+// sRGB of a defect's own colour.
+Eigen::Vector3d DrawPigment(Dice& dice, DefectClass defect_class) {
+  const double shade = dice.Uniform(0.85, 1.15);
+  switch (defect_class) {
+    case DefectClass::kCrack:
+      return shade * Eigen::Vector3d(62, 52, 42);
+    case DefectClass::kDecay:
+      return shade * Eigen::Vector3d(92, 70, 48);
+    case DefectClass::kScar:
+      return shade * Eigen::Vector3d(164, 138, 100);
+    default:
+      break;
+  }
+  const int kind = dice.Below(5);
+  if (kind == 3) return shade * Eigen::Vector3d(178, 160, 128);  // pale, corky
+  if (kind == 4) return shade * Eigen::Vector3d(64, 52, 44);     // dark
+  return shade * Eigen::Vector3d(112, 92, 68);                   // light brown
+}
+
+void DrawOutline(Dice& dice, SkinShape& shape) {
+  const auto draw = [&](double area, double stretch, double lobe, double soft) {
+    shape.radius_mm = std::sqrt(area / kPi);
+    shape.stretch = stretch;
+    shape.soft_mm = soft;
+    for (int k = 0; k < 4; ++k) {
+      shape.lobes[k] = lobe * dice.Uniform(0, 1) / (1 + k);
+      shape.phases[k] = dice.Uniform(0, 2 * kPi);
+    }
+  };
+  switch (shape.defect_class) {
+    case DefectClass::kCrack:
+      draw(dice.Uniform(1.8, 5), dice.Uniform(10, 20), 0, dice.Uniform(0.02, 0.06));
+      shape.bend = dice.Uniform(-0.03, 0.03);
+      shape.depth_mm = dice.Uniform(0.02, 0.3);
+      return;
+    case DefectClass::kScar:
+      draw(dice.Uniform(6, 18), dice.Uniform(4, 6.5), 0.02, dice.Uniform(0.05, 0.15));
+      shape.bend = dice.Uniform(-0.03, 0.03);
+      return;
+    case DefectClass::kDecay:
+      draw(dice.Uniform(28, 80), dice.Uniform(1, 1.4), 0.12, dice.Uniform(0.1, 0.3));
+      shape.depth_mm = dice.Uniform(0, 0.3);
+      return;
+    default:
+      draw(dice.Uniform(1, 7.5), dice.Uniform(1, 1.25), 0.05, dice.Uniform(0.05, 0.15));
+      shape.depth_mm = dice.Uniform(0, 0.03);
+  }
+}
+
+}  // namespace
+
+SmoothNoise::SmoothNoise(Dice& dice, double waves, int cells) {
+  constexpr int kWaves = 12;
+  std::array<Eigen::Vector3d, kWaves> vectors;
+  std::array<double, kWaves> phases;
+  for (int k = 0; k < kWaves; ++k) {
+    vectors[k] = waves * dice.Uniform(0.5, 1.2) * dice.Direction();
+    phases[k] = dice.Uniform(0, 2 * kPi);
+  }
+  table_ = CubeTable<float>::Of(cells, [&](const Eigen::Vector3d& direction) {
+    double sum = 0;
+    for (int k = 0; k < kWaves; ++k) sum += std::sin(vectors[k].dot(direction) + phases[k]);
+    return static_cast<float>(sum * std::sqrt(2.0 / kWaves));
+  });
+}
+
+double SkinShape::InsideBy(const Eigen::Vector3d& direction, double scale) const {
+  const double cosine = std::clamp(direction.dot(axis), -1.0, 1.0);
+  if (scale * (1 - cosine) > 1.5 * Reach() + 1) return -scale;
+  const double arc = scale * std::acos(cosine);
+  if (arc > 1.5 * Reach() + 1) return -arc;
+  const double side = std::max(1e-12, std::sqrt(1 - cosine * cosine));
+  double x = arc * direction.dot(right) / side, y = arc * direction.dot(down) / side;
+  y -= bend * x * x;
+  const double root = std::sqrt(stretch);
+  const double edge = EdgeAt(std::atan2(y * root, x / root));
+  // Distance to an ellipse by its first-order estimate, which is exact for a circle.
+  const double u = x / (radius_mm * root), v = y * root / radius_mm;
+  const double level = std::hypot(u, v);
+  const double slope = std::hypot(u / (radius_mm * root), v * root / radius_mm) / std::max(1e-9, level);
+  return (edge - level) / std::max(1e-9, slope);
+}
+
+double SkinShape::EdgeAt(double angle) const {
+  double edge = 1;
+  for (int k = 0; k < 4; ++k) edge += lobes[k] * std::cos((k + 2) * angle + phases[k]);
+  return edge;
+}
+
+Eigen::Vector2d SkinShape::OutlineAt(double angle) const {
+  const double root = std::sqrt(stretch), edge = radius_mm * EdgeAt(angle);
+  const double x = edge * root * std::cos(angle);
+  return {x, edge / root * std::sin(angle) + bend * x * x};
+}
+
+double SkinShape::Reach() const {
+  return 1.3 * radius_mm * std::sqrt(stretch);
+}
+
+SkinShape DrawShape(Dice& dice, DefectClass defect_class, const Eigen::Vector3d& skin, const Eigen::Vector3d& axis) {
+  SkinShape shape;
+  shape.defect_class = defect_class;
+  shape.axis = axis;
+  const Eigen::AngleAxisd turn(dice.Uniform(0, kPi), axis);
+  shape.right = turn * axis.unitOrthogonal();
+  shape.down = axis.cross(shape.right);
+  DrawOutline(dice, shape);
+  for (int trial = 0; trial < 40; ++trial) {
+    const Eigen::Vector3d pigment = DrawPigment(dice, defect_class);
+    shape.cover = defect_class == DefectClass::kRainSpot ? dice.Uniform(0.7, 1) : 1;
+    shape.linear = LinearOf(pigment.x(), pigment.y(), pigment.z());
+    if (Contrast((1 - shape.cover) * skin + shape.cover * shape.linear, skin) > kLeastContrast) break;
+  }
+  return shape;
+}
+
+Eigen::Vector3d DrawSkinColour(Dice& dice) {
+  const double shade = dice.Uniform(0.9, 1.1);
+  switch (dice.Below(5)) {
+    case 0:
+      return LinearOf(shade * 200, shade * 168, shade * 66);  // yellow
+    case 1:
+      return LinearOf(shade * 166, shade * 52, shade * 48);  // red
+    case 2:
+      return LinearOf(shade * 92, shade * 56, shade * 88);  // purple
+    default:
+      return LinearOf(shade * 134, shade * 154, shade * 66);  // green
+  }
+}
+
+}  // namespace drupe
