@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/clock.h"
+#include "base/trace.h"
 
 namespace drupe {
 
@@ -65,6 +66,7 @@ void Log(LogLevel level, std::string_view message, std::initializer_list<std::pa
     line["level"] = LevelName(level);
     line["service"] = state.service;
     line["message"] = message;
+    if (!CurrentTrace().empty()) line["trace"] = CurrentTrace();
   }
   for (const auto& [name, value] : fields) line[std::string(name)] = value;
   const std::string text =

@@ -3,7 +3,9 @@
 #include <httplib.h>
 
 #include <charconv>
+#include <utility>
 
+#include "base/trace.h"
 #include "http/status_map.h"
 
 namespace drupe {
@@ -12,6 +14,18 @@ namespace {
 
 constexpr std::size_t kMaxErrorBytes = 64 << 10;
 
+std::string& ProcessToken() {
+  static std::string token;
+  return token;
+}
+
+httplib::Headers CommonHeaders() {
+  httplib::Headers headers;
+  if (!ProcessToken().empty()) headers.emplace("Authorization", "Bearer " + ProcessToken());
+  if (!CurrentTrace().empty()) headers.emplace("X-Request-Id", CurrentTrace());
+  return headers;
+}
+
 httplib::Client Connect(const std::string& base_url, const ClientOptions& options) {
   httplib::Client client(base_url);
   client.set_connection_timeout(options.connect_timeout);
@@ -19,6 +33,7 @@ httplib::Client Connect(const std::string& base_url, const ClientOptions& option
   client.set_write_timeout(options.read_timeout);
   client.set_follow_location(false);
   client.set_decompress(false);
+  client.set_default_headers(CommonHeaders());
   return client;
 }
 
@@ -56,6 +71,10 @@ Result<Client::Reply> ReadReply(const std::string& base_url, const httplib::Resu
 }
 
 }  // namespace
+
+void Client::SetToken(std::string token) {
+  ProcessToken() = std::move(token);
+}
 
 Result<Client> Client::Create(std::string_view base_url, const ClientOptions& options) {
   const Status wrong =

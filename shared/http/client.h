@@ -26,6 +26,10 @@ class Client {
   /// Errors: 400 `invalid_url`.
   static Result<Client> Create(std::string_view base_url, const ClientOptions& options = {});
 
+  /// The token with which this process speaks to other services (Authorization: Bearer); empty for none. Set once, at
+  /// the start.
+  static void SetToken(std::string token);
+
   /// A reply's JSON and its HTTP status (2xx).
   struct Reply {
     int http_status = 0;

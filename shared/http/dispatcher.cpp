@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/trace.h"
 #include "http/admission.h"
 
 namespace drupe {
@@ -19,10 +20,25 @@ Response ErrorResponse(const Status& error) {
   return response;
 }
 
+/// That the audit log has even of a request that only reads.
+bool IsRefusal(int http_status) {
+  return http_status == 401 || http_status == 403 || http_status == 429;
+}
+
 /// What the client learns of an exception: nothing but the id under which the log has it.
 Response AfterException(const Request& request, std::string_view what) {
   Log(LogLevel::kError, "a handler threw", {{"request", request.id}, {"route", request.route}, {"what", what}});
   return ErrorResponse(Internal("internal", "the server failed on this request; its log names request " + request.id));
+}
+
+}  // namespace
+
+namespace {
+
+/// A client that names its request finds the name in every log from here to the report.
+void AdoptTrace(const RequestHead& head, Request& request) {
+  const auto name = head.headers.find("X-Request-Id");
+  if (name != head.headers.end() && IsTrace(name->second)) request.id = name->second;
 }
 
 }  // namespace
@@ -33,6 +49,8 @@ Status ServerBusy(std::string_view why) {
 
 Response Dispatcher::Answer(Result<RequestHead> head, bool reserved_only, Request& request) {
   const Stopwatch watch;
+  if (head.ok()) AdoptTrace(*head, request);
+  const TraceScope trace(request.id);
   Response response = head.ok() ? Dispatch(*head, reserved_only, request) : ErrorResponse(head.status());
   response.SetHeader("X-Request-Id", request.id);
   Record(request, response, watch);
@@ -54,7 +72,21 @@ Response Dispatcher::Dispatch(RequestHead& head, bool reserved_only, Request& re
   if (!query.ok()) return ErrorResponse(query.status());
   request.query = std::move(*query);
   const Status admitted = Admit((*route)->options, head.content_length, reserved_only);
-  return admitted.ok() ? Run(**route, request) : ErrorResponse(admitted);
+  return admitted.ok() ? RunWithPass(**route, request) : ErrorResponse(admitted);
+}
+
+Response Dispatcher::RunWithPass(const Router::Route& route, Request& request) {
+  Scope scope = route.options.scope;
+  if (scope == Scope::kByMethod) scope = request.method == "GET" ? Scope::kRead : Scope::kSubmit;
+  if (options_.access == nullptr || scope == Scope::kNone) return Run(route, request);
+  const Result<AccessControl::Pass> pass = options_.access->Admit(request.Header("Authorization"), scope);
+  if (pass.ok()) {
+    request.caller = pass->name();
+    return Run(route, request);
+  }
+  Response response = ErrorResponse(pass.status());
+  if (response.status == 401) response.SetHeader("WWW-Authenticate", "Bearer");
+  return response;
 }
 
 Status Dispatcher::Admit(const RouteOptions& route, std::uint64_t content_length, bool reserved_only) const {
@@ -100,6 +132,15 @@ void Dispatcher::Record(const Request& request, const Response& response, const 
        {"status", response.status},
        {"from", request.remote_address},
        {"wall_s", watch.WallSeconds()}});
+  if (options_.access != nullptr && (request.method != "GET" || IsRefusal(response.status))) {
+    Log(LogLevel::kInfo, "audit",
+        {{"request", request.id},
+         {"caller", request.caller},
+         {"method", method},
+         {"path", request.path},
+         {"status", response.status},
+         {"from", request.remote_address}});
+  }
   if (metrics_ == nullptr) return;
   metrics_->Count("drupe_http_requests_total", "Requests answered.",
                   {{"method", method}, {"route", route}, {"status", std::to_string(response.status)}});

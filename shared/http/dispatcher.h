@@ -31,6 +31,8 @@ class Dispatcher {
  private:
   Response Dispatch(RequestHead& head, bool reserved_only, Request& request);
   Status Admit(const RouteOptions& route, std::uint64_t content_length, bool reserved_only) const;
+  /// Runs the route when the request's token allows it.
+  Response RunWithPass(const Router::Route& route, Request& request);
   Response Run(const Router::Route& route, const Request& request);
   void HoldEventStream(Response& response);
   void Record(const Request& request, const Response& response, const Stopwatch& watch) const;

@@ -39,7 +39,8 @@ struct Request {
   std::string method;  ///< "GET" also for HEAD: the server leaves the body out
   std::string path;    ///< as sent, without the query
   std::string route;   ///< the pattern that matched, "/reconstructions/{id:rec}"
-  std::string id;      ///< for logs and the reply's X-Request-Id
+  std::string id;      ///< for logs and the reply's X-Request-Id; the client's own X-Request-Id if it is one (IsTrace)
+  std::string caller;  ///< name of the token, where there are tokens
   std::string remote_address;
   HeaderMap headers;
   std::map<std::string, std::string, std::less<>> captures;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/status.h"
+#include "http/access.h"
 #include "http/request.h"
 #include "http/response.h"
 
@@ -18,6 +19,7 @@ using Handler = std::function<void(const Request&, Response&)>;
 struct RouteOptions {
   std::uint64_t max_body_bytes = 1 << 20;  ///< a larger Content-Length is refused with 413, unread
   bool upload = false;                     ///< counts against Limits::max_concurrent_uploads: 503 above it
+  Scope scope = Scope::kByMethod;          ///< of the token that is asked for where there are tokens
   bool reserved = false;  ///< answered even when every ordinary connection is taken: /healthz and its like
 };
 

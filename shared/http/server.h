@@ -29,6 +29,7 @@ struct ServerOptions {
   std::chrono::milliseconds stop_timeout{10'000};         ///< that bodies still arriving are given after Stop()
   std::size_t min_body_bytes_per_s = 1024;                ///< on average, after the first stall_timeout
   int max_requests_per_connection = 1000;
+  std::shared_ptr<AccessControl> access;  ///< null: everybody may do everything
 
   /// Errors: 400 `invalid_option` with the option that is out of range.
   Status Check() const;

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include <atomic>
+#include <cctype>
 #include <ctime>
 #include <iostream>
 #include <list>
@@ -12,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/files.h"
 #include "base/version.h"
+#include "http/client.h"
 #include "http/contract_text.h"
 #include "http/service_options.h"
 
@@ -26,6 +29,12 @@ sigset_t DrainSignals() {
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
   return signals;
+}
+
+constexpr std::size_t kMaxTokenBytes = 4096;
+
+bool IsLoopback(const std::string& host) {
+  return host.starts_with("127.") || host == "::1" || host == "localhost";
 }
 
 /// Waits for SIGTERM or SIGINT; 0 once `finished` is true.
@@ -68,6 +77,8 @@ class Service::Impl {
 
  private:
   Status ReadOptions(int argc, char** argv);
+  /// Reads the tokens that callers show, and the one that this process shows.
+  Status SetUpAccess();
   void AddCommonRoutes();
   void AnswerReady(Response& response) const;
   void Drain();
@@ -87,7 +98,27 @@ Status Service::Impl::ReadOptions(int argc, char** argv) {
   options_.server.max_body_bytes = options_.limits.max_request_bytes;
   options_.server.max_concurrent_uploads = options_.limits.max_concurrent_uploads;
   while (options_.public_url.ends_with('/')) options_.public_url.pop_back();
+  DRUPE_RETURN_IF_ERROR(SetUpAccess());
   return options_.server.Check();
+}
+
+Status Service::Impl::SetUpAccess() {
+  if (!options_.service_token.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(std::string token, ReadFile(options_.service_token, kMaxTokenBytes));
+    while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back()))) token.pop_back();
+    Client::SetToken(std::move(token));
+  }
+  if (!options_.tokens.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(std::vector<AccessToken> tokens, ReadTokens(options_.tokens));
+    options_.server.access = std::make_shared<AccessControl>(std::move(tokens));
+    return Status::Ok();
+  }
+  if (options_.open_access || IsLoopback(options_.server.host)) return Status::Ok();
+  return InvalidArgument(
+      "tokens_needed",
+      "to listen on " + options_.server.host +
+          " needs --tokens FILE, or --open-access true where everybody on the network may do everything",
+      "tokens");
 }
 
 std::optional<int> Service::Impl::Parse(int argc, char** argv) {
@@ -117,18 +148,19 @@ std::optional<int> Service::Impl::Parse(int argc, char** argv) {
 }
 
 void Service::Impl::AddCommonRoutes() {
-  const RouteOptions reserved{.max_body_bytes = 0, .reserved = true};
-  router().Add("GET", "/healthz", reserved, [this](const Request&, Response& response) {
+  const RouteOptions open{.max_body_bytes = 0, .scope = Scope::kNone, .reserved = true};
+  const RouteOptions reserved{.max_body_bytes = 0, .scope = Scope::kRead, .reserved = true};
+  router().Add("GET", "/healthz", open, [this](const Request&, Response& response) {
     response.SetJson({{"status", "ok"}, {"service", name_}, {"version", kVersion}});
   });
-  router().Add("GET", "/readyz", reserved, [this](const Request&, Response& response) { AnswerReady(response); });
+  router().Add("GET", "/readyz", open, [this](const Request&, Response& response) { AnswerReady(response); });
   router().Add("GET", "/metrics", reserved, [this](const Request&, Response& response) {
     response.SetText(metrics_.Text(), "text/plain; version=0.0.4");
   });
-  router().Add("GET", "/openapi.yaml", reserved, [](const Request&, Response& response) {
+  router().Add("GET", "/openapi.yaml", open, [](const Request&, Response& response) {
     response.SetText(std::string(kOpenApiText), "application/yaml");
   });
-  router().Add("GET", "/schemas/report.schema.json", reserved, [](const Request&, Response& response) {
+  router().Add("GET", "/schemas/report.schema.json", open, [](const Request&, Response& response) {
     response.SetText(std::string(kReportSchemaText), "application/schema+json");
   });
 }

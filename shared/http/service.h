@@ -26,6 +26,9 @@ struct ServiceOptions {
   Limits limits;                         ///< --max-request-mb, --max-image-mb, --max-images, --max-uploads
   ServerOptions server;                  ///< --host, --port
   std::string jobs_url;                  ///< --jobs-url: sqlite:PATH or postgres://...; empty: SQLite in `data`
+  std::string tokens;                    ///< --tokens FILE (ReadTokens); needed to listen beyond loopback
+  bool open_access = false;              ///< --open-access: listen beyond loopback without tokens
+  std::string service_token;             ///< --service-token FILE: what this service shows to the others
   std::string public_url;                ///< --public-url: prefix of links in replies; empty: relative links
 };
 

@@ -96,6 +96,16 @@ void AddServiceOptions(CLI::App& app, ServiceOptions& options) {
          "job database: sqlite:PATH (one process), or postgres://USER@HOST/DATABASE for any number of processes "
          "on any number of machines; without it, SQLite in --data")
       ->envname("DRUPE_JOBS_URL");
+  app.add_option(
+         "--tokens", options.tokens,
+         "JSON file of the tokens that callers must show, each with its scopes; needed to listen beyond loopback")
+      ->envname("DRUPE_TOKENS");
+  app.add_option("--open-access", options.open_access, "listen beyond loopback without tokens, in a network of friends")
+      ->capture_default_str()
+      ->envname("DRUPE_OPEN_ACCESS");
+  app.add_option("--service-token", options.service_token,
+                 "file with the token that this service shows to the other services")
+      ->envname("DRUPE_SERVICE_TOKEN");
   app.add_option("--public-url", options.public_url, "put before the links in replies, for a service behind a proxy")
       ->envname("DRUPE_PUBLIC_URL");
   AddLimits(app, options);

@@ -58,6 +58,7 @@ struct Job {
   int failures = 0;               ///< attempts that counted against max_attempts
   int max_attempts = 3;
   std::string worker;                ///< that claimed it last
+  std::string trace;                 ///< of the request that submitted it (CurrentTrace)
   std::int64_t lease_until_ms = 0;   ///< while running
   std::int64_t available_at_ms = 0;  ///< a queued job is not claimed before
   std::int64_t created_ms = 0;

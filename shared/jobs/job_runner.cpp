@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/trace.h"
 #include "jobs/running_job.h"
 
 namespace drupe {
@@ -181,6 +182,7 @@ void JobRunner::Impl::WorkerLoop(int number) {
 }
 
 void JobRunner::Impl::RunOne(const Job& job) {
+  const TraceScope trace(job.trace);
   const Entry& entry = entries_.at(job.kind);
   const auto running = std::make_shared<RunningJob>(job.id, job.attempt, entry.stages, [this] { BeatNow(); });
   if (!Register(running)) {

@@ -9,8 +9,8 @@
 
 #include "base/ids.h"
 #include "jobs/fake_clock.h"
-#include "jobs/sqlite/database.h"
 #include "jobs/sql/sql_job_store.h"
+#include "jobs/sqlite/database.h"
 
 namespace drupe {
 namespace {

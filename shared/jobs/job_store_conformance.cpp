@@ -7,6 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "base/trace.h"
+
 namespace drupe {
 namespace {
 
@@ -358,6 +360,11 @@ TEST_F(JobStoreConformance, EveryChangeWakesTheWaiters) {
   EXPECT_TRUE(changed());
   EXPECT_FALSE(TryClaim());
   EXPECT_FALSE(changed()) << "looking is no change";
+}
+
+TEST_F(JobStoreConformance, RemembersTheRequestThatSubmitted) {
+  const TraceScope trace("req_1");
+  EXPECT_EQ(Get(Submit(Spec()).id).trace, "req_1");
 }
 
 TEST_F(JobStoreConformance, ForgetsWhatEndedLongAgo) {

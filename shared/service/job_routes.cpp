@@ -32,6 +32,7 @@ Json JobJson(const Job& job) {
           {"failures", job.failures},
           {"max_attempts", job.max_attempts},
           {"worker", job.worker},
+          {"trace", job.trace},
           {"created_at", TimeJson(job.created_ms)},
           {"started_at", TimeJson(job.started_ms)},
           {"finished_at", TimeJson(job.finished_ms)},
@@ -91,9 +92,9 @@ void AddJobRoutes(Router& router, JobStore& jobs) {
   router.Add("GET", "/jobs", {.max_body_bytes = 0}, Reply(jobs, List));
   router.Add("GET", "/jobs/{id}", {.max_body_bytes = 0}, Reply(jobs, Show));
   router.Add(
-      "POST", "/jobs/{id}/retry", {.max_body_bytes = 0},
+      "POST", "/jobs/{id}/retry", {.max_body_bytes = 0, .scope = Scope::kAdmin},
       Reply(jobs, [](JobStore& store, const Request& request) { return Changed(store.Retry(request.Capture("id"))); }));
-  router.Add("POST", "/jobs/{id}/cancel", {.max_body_bytes = 0},
+  router.Add("POST", "/jobs/{id}/cancel", {.max_body_bytes = 0, .scope = Scope::kAdmin},
              Reply(jobs, [](JobStore& store, const Request& request) {
                return Changed(store.Cancel(request.Capture("id")));
              }));

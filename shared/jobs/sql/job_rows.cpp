@@ -49,14 +49,15 @@ const Migrations& Schema() {
       reason TEXT NOT NULL,
       PRIMARY KEY (job, number)
     ) WITHOUT ROWID;
-  )sql"};
+  )sql",
+                                     "ALTER TABLE jobs ADD COLUMN trace TEXT NOT NULL DEFAULT ''"};
   return kSchema;
 }
 
 constexpr std::string_view kSelect =
     "SELECT seq, id, kind, subject, payload, priority, idempotency_key, state, cancel_requested, stage, progress, "
     "attempt, failures, max_attempts, worker, lease_until_ms, available_at_ms, created_ms, started_ms, finished_ms, "
-    "result, error_code, error_message, error_field FROM jobs ";
+    "result, error_code, error_message, error_field, trace FROM jobs ";
 
 constexpr JsonLimits kStoredJson{.max_bytes = std::numeric_limits<std::size_t>::max(), .max_depth = 256};
 
@@ -99,6 +100,7 @@ Result<JobRow> ReadRow(const Statement& row) {
     DRUPE_ASSIGN_OR_RETURN(job.result, json());
   }
   if (!row.IsNull(column)) job.error = JobError{row.Text(column), row.Text(column + 1), row.Text(column + 2)};
+  job.trace = row.Text(column + 3);
   return read;
 }
 
@@ -121,12 +123,12 @@ Result<std::optional<std::int64_t>> JobRows::Insert(const Job& job) {
       const auto insert,
       database_.Prepare("INSERT INTO jobs (id, kind, subject, payload, priority, idempotency_key, state, "
                         "cancel_requested, stage, progress, attempt, failures, max_attempts, worker, lease_until_ms, "
-                        "available_at_ms, created_ms, started_ms, finished_ms) "
-                        "VALUES (?, ?, ?, ?, ?, ?, 0, 0, '', 0, 0, 0, ?, '', 0, ?, ?, 0, 0) "
+                        "available_at_ms, created_ms, started_ms, finished_ms, trace) "
+                        "VALUES (?, ?, ?, ?, ?, ?, 0, 0, '', 0, 0, 0, ?, '', 0, ?, ?, 0, 0, ?) "
                         "ON CONFLICT (idempotency_key) DO NOTHING RETURNING seq"));
   insert->Bind(job.id).Bind(job.kind).Bind(job.subject).Bind(DumpJson(job.payload)).Bind(job.priority);
   job.idempotency_key.empty() ? insert->BindNull() : insert->Bind(job.idempotency_key);
-  insert->Bind(job.max_attempts).Bind(job.available_at_ms).Bind(job.created_ms);
+  insert->Bind(job.max_attempts).Bind(job.available_at_ms).Bind(job.created_ms).Bind(job.trace);
   DRUPE_ASSIGN_OR_RETURN(const bool inserted, insert->Step());
   if (!inserted) return std::optional<std::int64_t>();
   const std::int64_t seq = insert->Int(0);

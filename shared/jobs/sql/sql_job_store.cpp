@@ -7,6 +7,7 @@
 
 #include "base/ids.h"
 #include "base/log.h"
+#include "base/trace.h"
 #include "jobs/sql/job_life.h"
 #include "jobs/sql/job_rows.h"
 
@@ -42,6 +43,7 @@ Job NewJob(const JobSpec& spec, std::int64_t now_ms) {
   job.priority = spec.priority;
   job.idempotency_key = spec.idempotency_key;
   job.max_attempts = spec.max_attempts;
+  job.trace = CurrentTrace();
   job.created_ms = job.available_at_ms = now_ms;
   return job;
 }
