@@ -13,6 +13,7 @@ void AddAnalyzeCommand(CLI::App& app, int& exit_code);
 void AddModelCommand(CLI::App& app, int& exit_code);
 void AddCalibrateCommand(CLI::App& app, int& exit_code);
 void AddBoardCommand(CLI::App& app, int& exit_code);
+void AddVocabularyCommand(CLI::App& app, int& exit_code);
 void AddBenchCommand(CLI::App& app, int& exit_code);
 
 }  // namespace drupe

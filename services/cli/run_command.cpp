@@ -20,6 +20,7 @@
 #include "cli/source_images.h"
 #include "defect_analysis/pipeline.h"
 #include "reconstruction/pipeline.h"
+#include "reconstruction/similarity/vocabulary.h"
 
 namespace drupe {
 
@@ -46,6 +47,7 @@ Result<ReconstructionInput> LoadInput(const RunArguments& arguments) {
     DRUPE_ASSIGN_OR_RETURN(input.calibration, ParseCalibration(json));
   }
   DRUPE_ASSIGN_OR_RETURN(input.board, LoadBoardArgument(arguments.board));
+  input.read_vocabulary = [](const std::string& path) { return ReadFile(path, MaxVocabularyBytes()); };
   return input;
 }
 

@@ -70,12 +70,21 @@ struct Correspondences {
   TrackList tracks;
 };
 
+/// The bytes of the vocabulary that the options name; empty when they name none.
+Result<std::string> LoadVocabulary(const ReconstructionInput& input, const SimilarityOptions& options) {
+  if (options.vocabulary.empty()) return std::string();
+  if (!input.read_vocabulary) {
+    return InvalidArgument("invalid_option", "no vocabulary can be loaded here", "similarity.vocabulary");
+  }
+  return input.read_vocabulary(options.vocabulary);
+}
+
 Result<Correspondences> FindCorrespondences(const ViewFeatures& views, const StartCamera& start,
-                                            const ReconstructionOptions& options, const RunContext& context,
-                                            Timings& timings) {
+                                            const std::string& vocabulary, const ReconstructionOptions& options,
+                                            const RunContext& context, Timings& timings) {
   Correspondences result;
   DRUPE_ASSIGN_OR_RETURN(const SimilarityGraph graph, Timed("similarity", context, timings, [&] {
-                           return RunSimilarity(views.features, options.similarity, context);
+                           return RunSimilarity(views.features, options.similarity, context, vocabulary);
                          }));
   DRUPE_ASSIGN_OR_RETURN(result.clusters, Timed("clusters", context, timings,
                                                 [&] { return RunClusters(graph, options.clusters, context); }));
@@ -149,11 +158,12 @@ double MeanTrackLength(const SparseModel& model) {
 Status RunSparsePart(const ReconstructionInput& input, const ReconstructionOptions& options, const RunContext& context,
                      ViewFeatures& views, ReconstructionOutput& output) {
   const Stopwatch watch;
+  DRUPE_ASSIGN_OR_RETURN(const std::string vocabulary, LoadVocabulary(input, options.similarity));
   DRUPE_ASSIGN_OR_RETURN(
       views, Timed("features", context, output.timings, [&] { return FindViewFeatures(input, options, context); }));
   const StartCamera start = ChooseCamera(input, views);
   DRUPE_ASSIGN_OR_RETURN(const Correspondences found,
-                         FindCorrespondences(views, start, options, context, output.timings));
+                         FindCorrespondences(views, start, vocabulary, options, context, output.timings));
   DRUPE_ASSIGN_OR_RETURN(output.model, Timed("sparse", context, output.timings, [&] {
                            return BuildSparse(input, views, start, found, options, context);
                          }));

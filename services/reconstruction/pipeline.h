@@ -33,6 +33,8 @@ struct ReconstructionInput {
   std::optional<Calibration> calibration;  ///< nothing: estimated from EXIF or the picture's size, and refined
   std::optional<Board> board;              ///< nothing: no metric scale
   Limits limits;
+  /// Gives the bytes that options.similarity.vocabulary names; empty: none can be named.
+  std::function<Result<std::string>(const std::string& name)> read_vocabulary = nullptr;
   DerivedCache* cache = nullptr;  ///< what is known of the pictures already; may be null; outlives the run
 };
 

@@ -43,6 +43,7 @@ void Visit(Visitor& visit, SimilarityOptions& o) {
   visit("training_descriptors", o.training_descriptors);
   visit("em_iterations", o.em_iterations);
   visit("descriptors_per_image", o.descriptors_per_image);
+  visit("vocabulary", o.vocabulary);
 }
 
 template <typename Visitor>

@@ -1,5 +1,7 @@
 #include "reconstruction/reconstruct_input.h"
 
+#include "reconstruction/similarity/vocabulary.h"
+
 namespace drupe {
 
 ReconstructionInput MakeInput(const ReconstructRequest& request, ObjectStore& objects, DerivedCache* cache,
@@ -14,6 +16,7 @@ ReconstructionInput MakeInput(const ReconstructRequest& request, ObjectStore& ob
   input.calibration = request.calibration;
   input.board = request.board;
   input.limits = limits;
+  input.read_vocabulary = [&objects](const std::string& sha256) { return objects.Get(sha256, MaxVocabularyBytes()); };
   input.cache = cache;
   return input;
 }
