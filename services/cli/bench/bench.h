@@ -19,6 +19,9 @@ void AddBackgroundBench(CLI::App& bench, int& exit_code);
 /// `bench defects`: found, false, class, grade, areas and their uncertainties.
 void AddDefectsBench(CLI::App& bench, int& exit_code);
 
+/// `bench matching`: matches and wrong ones by ratio threshold (paper Table 1).
+void AddMatchingBench(CLI::App& bench, int& exit_code);
+
 /// `bench sfm`: cost and errors of structure from motion (paper Table 2), beside COLMAP.
 void AddSfmBench(CLI::App& bench, int& exit_code);
 
