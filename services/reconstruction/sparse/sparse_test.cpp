@@ -133,11 +133,16 @@ TEST(SparseTest, BoardSeenInAFewViewsGivesTheScaleOfAll) {
     if (v % 6 != 0) scene.detections[v].clear();
     if (scene.detections[v].size() > 5) scene.detections[v].resize(5);  // the rest is hidden
   }
-  const auto model = RunSparse(scene.Input(true), SparseOptions{}, RunContext{});
-  ASSERT_TRUE(model.ok()) << model.status().ToString();
-  EXPECT_EQ(model->RegisteredCount(), 24);
-  EXPECT_EQ(model->scale_source, ScaleSource::kBoard);
-  EXPECT_LT(scene.MeanCentreError(*model), 0.5);
+  const ViewClusters clusters = FourArcs();
+  for (const ViewClusters* divided : {static_cast<const ViewClusters*>(nullptr), &clusters}) {
+    SparseInput input = scene.Input(true);
+    input.clusters = divided;
+    const auto model = RunSparse(input, SparseOptions{}, RunContext{});
+    ASSERT_TRUE(model.ok()) << model.status().ToString();
+    EXPECT_EQ(model->RegisteredCount(), 24);
+    EXPECT_EQ(model->scale_source, ScaleSource::kBoard);
+    EXPECT_LT(scene.MeanCentreError(*model), 0.5);
+  }
 }
 
 TEST(SparseTest, WrongCornersDoNotMoveTheFrame) {
