@@ -15,6 +15,11 @@ namespace {
 constexpr double kScaleSigma = 1e-7;  // relative; what holds the scale of a model without a board
 constexpr double kMinNoisePx = 1e-3;
 
+/// Root of a variance; 0, not known, where rounding or a degenerate place has left none.
+double RootOf(double variance) {
+  return std::isfinite(variance) && variance > 0 ? std::sqrt(variance) : 0;
+}
+
 /// d(centre)/d(PoseStep): the centre is -R^T t, a step turns R and moves t.
 Eigen::Matrix<double, 3, 6> CentreByStep(const Rigid3& pose) {
   const Eigen::Vector3d& t = pose.translation;
@@ -82,11 +87,11 @@ class Uncertainty {
   Result<ModelUncertainty> Run(const RunContext& context) {
     if (layout_.shared_views.empty()) return result_;
     DRUPE_RETURN_IF_ERROR(ParallelFor(context, shares_.size(), [&](std::size_t s) { shares_[s].Linearise(0); }));
-    if (!Invert()) return Internal("adjustment_failed", "the normal equations of the model are singular");
+    if (!Invert()) return result_;
     FillViews();
     DRUPE_RETURN_IF_ERROR(ParallelFor(context, shares_.size(), [&](std::size_t s) {
       for (const int t : layout_.shares[s].tracks) {
-        result_.position_sigma[t] = std::sqrt(shares_[s].TrackCovariance(t, covariance_).trace());
+        result_.position_sigma[t] = RootOf(shares_[s].TrackCovariance(t, covariance_).trace());
       }
     }));
     return result_;
@@ -114,8 +119,8 @@ class Uncertainty {
       const auto start = 6 * static_cast<Eigen::Index>(k);
       const Eigen::Matrix<double, 6, 6> pose = covariance_.block<6, 6>(start, start);
       const Eigen::Matrix<double, 3, 6> centre = CentreByStep(*state_.poses[view]);
-      result_.centre_sigma[view] = std::sqrt((centre * pose * centre.transpose()).trace());
-      result_.rotation_sigma_rad[view] = std::sqrt(pose.topLeftCorner<3, 3>().trace());
+      result_.centre_sigma[view] = RootOf((centre * pose * centre.transpose()).trace());
+      result_.rotation_sigma_rad[view] = RootOf(pose.topLeftCorner<3, 3>().trace());
     }
   }
 

@@ -20,7 +20,7 @@ struct ModelUncertainty {
 /// complement; Triggs et al. 2000, section 9), for the views; for a track what its rays leave open and what its views'
 /// uncertainty adds. `noise` as EstimateNoise found it, widened here by the redundancy. In the frame of the model: the
 /// board's, or that of the first view (which then has none) with the mean distance of the cameras from their middle as
-/// the unit. Errors: `cancelled`, 500 `adjustment_failed` when the equations are singular.
+/// the unit. The intrinsics count as known. All are 0, not known, where the equations are singular. Error: `cancelled`.
 Result<ModelUncertainty> EstimateUncertainty(const SfmState& state, const NoiseLevels& noise,
                                              const AdjustmentOptions& losses, const RunContext& context);
 

@@ -105,5 +105,24 @@ TEST(UncertaintyTest, WithoutABoardTheFirstViewIsTheFrame) {
   EXPECT_LT(rotations.Ratio(), 1.8);
 }
 
+TEST(UncertaintyTest, IsNotKnownWhereNothingHoldsAView) {
+  SfmState state = MakeSfmState(SyntheticScene(Honest()).Input(false));
+  state.poses[0] = state.poses[1] = Rigid3{};
+  state.poses[1]->translation.x() = 1;
+  const auto is_in_both = [&](const SfmTrack& t) {
+    const auto observations = state.ObservationsOf(t);
+    return observations[0].view == 0 && observations[1].view == 1;
+  };
+  const auto found = std::find_if(state.tracks.begin(), state.tracks.end(), is_in_both);
+  ASSERT_NE(found, state.tracks.end());
+  SfmTrack& track = *found;  // alone it cannot hold six parameters
+  track.has_position = true;
+  track.position = Eigen::Vector3d(0.3, 0.2, 5);
+  for (SfmObservation& o : state.ObservationsOf(track)) o.is_active = o.view < 2;
+  const auto uncertainty = EstimateUncertainty(state, {0.3, 0.1}, AdjustmentOptions{}, RunContext{});
+  ASSERT_TRUE(uncertainty.ok());
+  EXPECT_EQ(uncertainty->centre_sigma, std::vector<double>(24, 0.0));
+}
+
 }  // namespace
 }  // namespace drupe
