@@ -1,10 +1,10 @@
 #include "reconstruction/sparse/sparse.h"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <string>
+#include <vector>
 
-#include "geometry/sim3.h"
 #include "reconstruction/sparse/board_frame.h"
 #include "reconstruction/sparse/cluster_models.h"
 #include "reconstruction/sparse/focal_from_board.h"
@@ -19,6 +19,16 @@ namespace {
 
 /// Parts into which the adjustment of an undivided model is dealt, for threads to work on.
 constexpr int kSharesOfAWhole = 8;
+
+Status CheckClusters(const ViewClusters* clusters, int view_count) {
+  if (clusters == nullptr) return Status::Ok();
+  for (const std::vector<int>& cluster : clusters->clusters) {
+    const bool ascends = std::adjacent_find(cluster.begin(), cluster.end(), std::greater_equal<>()) == cluster.end();
+    if (ascends && !cluster.empty() && cluster.front() >= 0 && cluster.back() < view_count) continue;
+    return InvalidArgument("invalid_sparse_input", "a cluster is not an ascending list of pictures of the set");
+  }
+  return Status::Ok();
+}
 
 Status CheckSizes(const SparseInput& input) {
   const std::size_t views = input.image_names.size();
@@ -38,7 +48,7 @@ Status CheckSizes(const SparseInput& input) {
       }
     }
   }
-  return Status::Ok();
+  return CheckClusters(input.clusters, static_cast<int>(views));
 }
 
 /// A set of several clusters, and the wish to use them.

@@ -228,6 +228,12 @@ TEST(SparseTest, RefusesInputThatDoesNotFitTogether) {
   SyntheticScene scene;
   scene.tracks.tracks[0][0].keypoint = 1'000'000;
   EXPECT_EQ(RunSparse(scene.Input(false), SparseOptions{}, RunContext{}).status().code(), "invalid_sparse_input");
+  ViewClusters clusters;
+  clusters.clusters = {{0, 1, 24}, {2, 3}};
+  const SyntheticScene sound;
+  SparseInput input = sound.Input(false);
+  input.clusters = &clusters;
+  EXPECT_EQ(RunSparse(input, SparseOptions{}, RunContext{}).status().code(), "invalid_sparse_input");
   SparseOptions options;
   options.min_registered_share = 2;
   EXPECT_EQ(RunSparse(scene.Input(false), options, RunContext{}).status().field(), "sparse.min_registered_share");
