@@ -37,6 +37,7 @@ struct RunArguments {
   int threads = 0;
   std::uint64_t seed = 1;
   bool no_analysis = false;
+  bool mesh = false;
 };
 
 Result<ReconstructionInput> LoadInput(const RunArguments& arguments) {
@@ -81,6 +82,7 @@ Result<RunRequest> LoadRequest(const RunArguments& arguments) {
   DRUPE_ASSIGN_OR_RETURN(request.input, LoadInput(arguments));
   DRUPE_ASSIGN_OR_RETURN(const Json options, LoadJsonArgument(arguments.options));
   DRUPE_ASSIGN_OR_RETURN(request.options, ParseReconstructionOptions(options));
+  request.options.dense.mesh = request.options.dense.mesh || arguments.mesh;
   DRUPE_ASSIGN_OR_RETURN(const Json analysis_options, LoadJsonArgument(arguments.analysis_options));
   DRUPE_ASSIGN_OR_RETURN(request.analysis_options, ParseAnalysisOptions(analysis_options));
   std::error_code error;
@@ -186,6 +188,7 @@ void AddRunCommand(CLI::App& app, int& exit_code) {
   command->add_option("--threads", arguments->threads, "Threads; 0: one a core. The result does not depend on it")
       ->check(CLI::Range(0, 1024));
   command->add_option("--seed", arguments->seed, "Seed of the random choices");
+  command->add_flag("--mesh", arguments->mesh, "Also a closed surface of triangles, mesh.ply, for volume and viewers");
   command->add_flag("--no-analysis", arguments->no_analysis, "Stop after the dense cloud");
   command->callback([arguments, &exit_code] {
     const Status status = Run(*arguments);

@@ -7,6 +7,8 @@
 #include "base/parallel.h"
 #include "image/decode.h"
 #include "reconstruction/clusters/verified_clusters.h"
+#include "reconstruction/dense/poisson_mesh.h"
+#include "reconstruction/dense/preview.h"
 #include "reconstruction/sparse/sparse.h"
 #include "reconstruction/view_features.h"
 #include "scene/cameras_json.h"
@@ -21,6 +23,9 @@ namespace {
 /// Epipolar lines are off by several pixels while the focal length is a guess. Relative poses are needed to begin with,
 /// so pairs are verified with the guess and a wider tolerance.
 constexpr double kUnknownLensTolerance = 3.0;
+
+/// Of preview.ply: what a browser turns smoothly.
+constexpr std::size_t kPreviewPoints = 50'000;
 
 /// The camera that matching and sparse reconstruction start from.
 struct StartCamera {
@@ -147,6 +152,15 @@ Result<PointCloud> BuildDense(const ReconstructionInput& input, const ViewFeatur
   return RunDense(dense, options.dense, context);
 }
 
+/// The mesh when it is asked for; none when the points give no closed surface (a wall, half a fruit).
+Result<TriangleMesh> BuildMesh(const PointCloud& cloud, const ReconstructionOptions& options,
+                               const RunContext& context) {
+  if (!options.dense.mesh) return TriangleMesh();
+  Result<TriangleMesh> mesh = BuildPoissonMesh(cloud, context);
+  if (!mesh.ok() && mesh.status().code() == "no_mesh") return TriangleMesh();
+  return mesh;
+}
+
 double MeanTrackLength(const SparseModel& model) {
   if (model.tracks.empty()) return 0;
   const std::size_t observations =
@@ -189,6 +203,7 @@ Result<ReconstructionOutput> RunReconstruction(const ReconstructionInput& input,
     DRUPE_ASSIGN_OR_RETURN(output.cloud, Timed("dense", context, output.timings, [&] {
                              return BuildDense(input, views, output.model, options, context);
                            }));
+    DRUPE_ASSIGN_OR_RETURN(output.mesh, BuildMesh(output.cloud, options, context));
     output.timings.dense_cpu_s = watch.CpuSeconds();
     output.timings.dense_wall_s = watch.WallSeconds();
   }
@@ -235,7 +250,11 @@ Result<std::map<std::string, std::string>> MakeArtifacts(const ReconstructionOut
   DRUPE_ASSIGN_OR_RETURN(files["colmap.zip"], ColmapZip(output.model));
   files["model.nvm"] = Nvm(output.model);
   files["timings.json"] = DumpJson(ToJson(output.timings), 1);
-  if (!output.cloud.empty()) files["dense.ply"] = WritePly(output.cloud);
+  if (!output.cloud.empty()) {
+    files["dense.ply"] = WritePly(output.cloud);
+    files["preview.ply"] = WritePly(DecimateCloud(output.cloud, kPreviewPoints));
+  }
+  if (!output.mesh.empty()) files["mesh.ply"] = WritePlyMesh(output.mesh);
   return files;
 }
 

@@ -14,6 +14,7 @@
 #include "reconstruction/pipeline_options.h"
 #include "scene/board.h"
 #include "scene/calibration.h"
+#include "scene/ply_mesh.h"
 #include "scene/point_cloud.h"
 #include "scene/sparse_model.h"
 #include "scene/timings.h"
@@ -46,7 +47,8 @@ struct RefusedImage {
 
 struct ReconstructionOutput {
   SparseModel model;
-  PointCloud cloud;  ///< empty when run_dense is false
+  PointCloud cloud;   ///< empty when run_dense is false
+  TriangleMesh mesh;  ///< empty unless dense.mesh is set
   std::vector<RefusedImage> refused;
   Timings timings;
 };
@@ -71,8 +73,8 @@ const std::vector<PipelineStage>& ReconstructionStages();
 /// error and scale uncertainty, points. The `quality` of the status and of the report.
 Json QualityJson(const ReconstructionOutput& output);
 
-/// The files that a reconstruction leaves, by name: cameras.json sparse.ply colmap.zip model.nvm timings.json, and
-/// dense.ply when there is a dense cloud.
+/// The files that a reconstruction leaves, by name: cameras.json sparse.ply colmap.zip model.nvm timings.json, dense.ply
+/// and preview.ply (the same in about 50,000 points) when there is a dense cloud, and mesh.ply when there is a mesh.
 Result<std::map<std::string, std::string>> MakeArtifacts(const ReconstructionOutput& output);
 
 }  // namespace drupe

@@ -109,6 +109,8 @@ void Visit(Visitor& visit, DenseOptions& o) {
   visit("min_height_mm", o.min_height_mm);
   visit("max_points", o.max_points);
   visit("memory_limit_mb", o.memory_limit_mb);
+  visit("epipolar_seeds", o.epipolar_seeds);
+  visit("mesh", o.mesh);
 }
 
 /// Calls `section(name, stage_options)` for every stage, in the order of the data.

@@ -21,4 +21,5 @@ find_package(TIFF REQUIRED)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(PROMETHEUS REQUIRED IMPORTED_TARGET prometheus-cpp-core)
 # PCL by component: find_package(PCL) would load VTK and Qt, which nothing here uses.
+pkg_check_modules(PCL_SURFACE REQUIRED IMPORTED_TARGET pcl_surface pcl_common)
 pkg_check_modules(PCL_SEGMENTATION REQUIRED IMPORTED_TARGET pcl_segmentation pcl_search pcl_filters pcl_kdtree pcl_common)

@@ -19,6 +19,9 @@ void AddBackgroundBench(CLI::App& bench, int& exit_code);
 /// `bench defects`: found, false, class, grade, areas and their uncertainties.
 void AddDefectsBench(CLI::App& bench, int& exit_code);
 
+/// `bench dense`: cost and error of the dense cloud (paper Table 3), beside pmvs2.
+void AddDenseBench(CLI::App& bench, int& exit_code);
+
 /// `bench matching`: matches and wrong ones by ratio threshold (paper Table 1).
 void AddMatchingBench(CLI::App& bench, int& exit_code);
 

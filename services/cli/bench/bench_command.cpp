@@ -10,6 +10,7 @@ void AddBenchCommand(CLI::App& app, int& exit_code) {
   bench->require_subcommand(1);
   AddBackgroundBench(*bench, exit_code);
   AddDefectsBench(*bench, exit_code);
+  AddDenseBench(*bench, exit_code);
   AddMatchingBench(*bench, exit_code);
   AddSfmBench(*bench, exit_code);
 }

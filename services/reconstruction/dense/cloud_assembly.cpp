@@ -17,11 +17,15 @@ struct ViewPoints {
   std::vector<SeamPoint> seam;
 };
 
+/// What remains of the views' poses, the lens and the light when the noise is averaged out: pixels of parallax.
+constexpr double kSystematic = 0.025;
+
 /// Standard uncertainty along the normal.
 float NormalError(const DenseView& view, const SurfaceElement& element, float unit, const PatchCell& cell) {
   const Eigen::Vector3d ray = element.position - view.centre;
   const double depth = 1.0 / cell.w;
-  return static_cast<float>(cell.sigma * unit * depth * std::abs(element.normal.dot(ray)));
+  const double sigma = std::hypot(static_cast<double>(cell.sigma), kSystematic);
+  return static_cast<float>(sigma * unit * depth * std::abs(element.normal.dot(ray)));
 }
 
 void CollectView(const LevelContext& fine, const PatchMap& map, const LevelContext& coarse,

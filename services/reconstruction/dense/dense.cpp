@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "reconstruction/dense/cloud_assembly.h"
+#include "reconstruction/dense/epipolar_seeds.h"
 #include "reconstruction/dense/expansion.h"
 #include "reconstruction/dense/point_colours.h"
 #include "reconstruction/dense/prediction.h"
@@ -59,11 +60,21 @@ Status Consolidate(const RunContext& run, LevelState* state) {
 
 Result<LevelState> GrowCoarsest(const DenseScene& scene, int level, const RunContext& run) {
   LevelState state{MakeLevelContext(scene, level, kCoarseCsize), std::vector<PatchMap>(scene.views.size())};
+  std::vector<std::vector<Eigen::Vector2i>> corners(state.maps.size());
+  if (scene.options->epipolar_seeds) {
+    DRUPE_RETURN_IF_ERROR(ParallelFor(run, corners.size(), [&](std::size_t i) {
+      corners[i] = FindCorners(state.context.frames[i].reference, state.context.settings.half + 1);
+    }));
+  }
   ProgressSpan progress(run, kLoadedShare, kGrownShare, static_cast<double>(state.maps.size()));
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, state.maps.size(), [&](std::size_t i) {
     const int view = static_cast<int>(i);
     PatchMap map = state.context.EmptyMap(view);
     PlaceGuesses(state.context, view, SeedGuesses(state.context, view, map), kSeedSlopeSigma, run.cancelled, &map);
+    if (scene.options->epipolar_seeds) {
+      PlaceGuesses(state.context, view, EpipolarGuesses(state.context, view, corners, map), kSeedSlopeSigma,
+                   run.cancelled, &map);
+    }
     Expand(state.context, view, run.cancelled, &map);
     state.maps[i] = std::move(map);
     progress.Add(1);

@@ -36,6 +36,8 @@ struct DenseOptions {
   double min_height_mm = 3;             ///< what lies lower above the board is board, not fruit (0..1000)
   std::int64_t max_points = 8'000'000;  ///< csize grows until the cloud is expected to stay below (1000..)
   std::size_t memory_limit_mb = 4000;   ///< level grows until the pictures are expected to fit (100..)
+  bool epipolar_seeds = false;          ///< also start from corners matched along epipolar lines, where tracks are rare
+  bool mesh = false;                    ///< also a closed surface of triangles (BuildPoissonMesh)
 
   /// 400 `invalid_option` with the field that is out of its range.
   Status Check() const;
