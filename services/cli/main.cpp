@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   drupe::AddCalibrateCommand(app, exit_code);
   drupe::AddBoardCommand(app, exit_code);
   drupe::AddVocabularyCommand(app, exit_code);
+  drupe::AddStoreCommand(app, exit_code);
   drupe::AddBenchCommand(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -30,6 +30,7 @@ SHARED = {  # folder of shared/ -> the folders of shared/ it may include beside 
 }
 COMPUTING = {"base", "geometry", "image", "scene"}
 SERVING = {"store", "jobs", "http", "service"}
+KEEPING = {"store", "jobs", "service"}  # what `drupe store` looks after
 RANKS = ["pipeline", "routes", "main"]  # of the files that lie directly in a service's folder
 
 SLOW_HEADERS = re.compile(r"(pcl|ceres|opencv2|CLI|spdlog|prometheus)/|httplib\.h$|arv\.h$|sqlite3\.h$")
@@ -57,7 +58,9 @@ def place_of(path):
 def may_include_shared(service, folder, rank, target):
     if service is None:
         return target == folder or target in SHARED[folder]
-    if rank is not None and service != "cli":
+    if service == "cli":
+        return target in COMPUTING | KEEPING
+    if rank is not None:
         return target in COMPUTING | SERVING
     return target in COMPUTING
 

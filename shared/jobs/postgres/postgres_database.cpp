@@ -60,6 +60,10 @@ class PostgresDatabase : public Database {
   }
 
  protected:
+  std::string_view TextColumnsQuery() const override {
+    return "SELECT table_name, column_name FROM information_schema.columns"
+           " WHERE table_schema = current_schema() AND data_type = 'text'";
+  }
   Status LockForMigration() override { return connection_.Run(kMigrationLock).status(); }
 
  private:

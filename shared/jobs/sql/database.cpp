@@ -7,6 +7,16 @@ Status Statement::Run() {
   return row ? Internal("database_failed", "a statement returned rows that nobody reads") : Status::Ok();
 }
 
+Result<std::vector<TextColumn>> Database::TextColumns() {
+  DRUPE_ASSIGN_OR_RETURN(const auto rows, Prepare(TextColumnsQuery()));
+  std::vector<TextColumn> columns;
+  for (;;) {
+    DRUPE_ASSIGN_OR_RETURN(const bool more, rows->Step());
+    if (!more) return columns;
+    columns.push_back({rows->Text(0), rows->Text(1)});
+  }
+}
+
 Status Database::Migrate(std::string_view component, const Migrations& migrations) {
   return Transaction(Durability::kPowerCut, [&]() -> Status {
     DRUPE_RETURN_IF_ERROR(LockForMigration());

@@ -45,6 +45,12 @@ enum class Durability {
   kProcessDeath  ///< whatever ends this process and leaves its machine running
 };
 
+/// A column that holds text.
+struct TextColumn {
+  std::string table;
+  std::string column;
+};
+
 /// The tables of one service, in SQLite or PostgreSQL. Statements are written once, in what the two have in common:
 /// parameters are `?`, upserts ON CONFLICT, new keys come from RETURNING; tables are declared in SQLite's words
 /// (INTEGER is 64 bits wide). Errors: 503 `database_in_use`, `database_unreachable`, 507 `disk_full`,
@@ -62,6 +68,9 @@ class Database {
   virtual Result<std::unique_ptr<Statement>> Prepare(std::string_view sql) = 0;
   /// Runs statements without parameters or rows. Only inside Transaction.
   virtual Status Execute(std::string_view sql) = 0;
+
+  /// All columns of text. Only inside Transaction.
+  Result<std::vector<TextColumn>> TextColumns();
 
   /// Whether other processes may work on these tables at the same time.
   virtual bool IsShared() const = 0;
@@ -81,6 +90,8 @@ class Database {
   virtual void OnAnnouncement(std::function<void()> /*listener*/) {}
 
  protected:
+  /// A query for (table, column) of all columns of text.
+  virtual std::string_view TextColumnsQuery() const = 0;
   /// Makes concurrent migrations of several processes take turns, until the transaction ends.
   virtual Status LockForMigration() { return Status::Ok(); }
 };

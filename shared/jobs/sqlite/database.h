@@ -58,6 +58,12 @@ class SqliteDatabase : public Database {
   bool IsShared() const override { return false; }
   const Clock& clock() const override { return Clock::System(); }
 
+ protected:
+  std::string_view TextColumnsQuery() const override {
+    return "SELECT m.name, c.name FROM sqlite_master m, pragma_table_info(m.name) c"
+           " WHERE m.type = 'table' AND c.type = 'TEXT'";
+  }
+
  private:
   SqliteDatabase() = default;
   Status Configure();
