@@ -76,7 +76,7 @@ class ModelsTest(DrupeTest):
     def test_refusals(self):
         half = pictures.labelled_ply()[:-7]
         for parts, status, code in [
-                ([], 400, "missing_part"),
+                ([], 400, "invalid_multipart"),
                 ([("options", None, {"name": "x"})], 400, "missing_part"),
                 ([cloud(b"ply\n")], 422, "bad_ply"),
                 ([cloud(half)], 422, "bad_ply"),

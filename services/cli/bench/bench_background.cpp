@@ -1,15 +1,15 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "base/clock.h"
 #include "base/files.h"
 #include "cli/bench/bench.h"
 #include "cli/bench/text_table.h"
-#include "cli/bench/truth_set.h"
+#include "cli/bench/truth_cloud.h"
 #include "cli/labelled_clouds.h"
 #include "defect_analysis/models/colour_sample.h"
 #include "defect_analysis/models/train_model.h"
@@ -36,21 +36,9 @@ std::string FruitOf(const TruthSet& set) {
   return set.truth.contains("plum") ? set.truth["plum"].get<std::string>() : set.name;
 }
 
-/// The cloud of everything that the pictures show, board and all.
-Result<PointCloud> CloudOf(const TruthSet& set, const std::string& clouds) {
-  if (!clouds.empty()) {
-    DRUPE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(clouds + "/" + set.name + "/dense.ply"));
-    return ReadPly(bytes);
-  }
-  ReconstructionOptions options;
-  options.dense.scene = DenseOptions::Scene::kAll;
-  DRUPE_ASSIGN_OR_RETURN(ReconstructionOutput output, RunReconstruction(set.input, options, RunContext()));
-  return std::move(output.cloud);
-}
-
 Result<LabelledSet> LoadSet(const std::string& directory, const std::string& clouds) {
   DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
-  DRUPE_ASSIGN_OR_RETURN(const PointCloud cloud, CloudOf(set, clouds));
+  DRUPE_ASSIGN_OR_RETURN(const PointCloud cloud, CloudOfSet(set, clouds, DenseOptions::Scene::kAll));
   DRUPE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(directory + "/surface.ply"));
   DRUPE_ASSIGN_OR_RETURN(const PointCloud surface, ReadPly(bytes));
   return LabelledSet{set.name, FruitOf(set), LabelBySurface(cloud, surface.positions)};

@@ -117,13 +117,15 @@ Result<SkinColours> MeasureDeviation(const FruitCloud& fruit, const SkinMap& map
   const std::vector<Eigen::Vector4f> sums = CellSums(fruit, map, lightness_weight);
   SkinColours colours;
   colours.deviation.assign(map.size(), Eigen::Vector3f::Zero());
+  colours.healthy.assign(map.size(), Eigen::Vector3f::Zero());
   colours.seen.assign(map.size(), 0);
   std::vector<float> sizes;
   for (int cell = 0; cell < map.size(); ++cell) {
     const Eigen::Vector4f sum = Smooth(sums, map, cell);
     if (sum[3] <= 0) continue;
     colours.seen[cell] = 1;
-    colours.deviation[cell] = sum.head<3>() / sum[3] - AtCell(healthy, map.map(), cell);
+    colours.healthy[cell] = AtCell(healthy, map.map(), cell);
+    colours.deviation[cell] = sum.head<3>() / sum[3] - colours.healthy[cell];
     sizes.push_back(colours.deviation[cell].norm());
   }
   colours.sigma = RobustSigma(std::move(sizes));

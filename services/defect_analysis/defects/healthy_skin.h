@@ -11,9 +11,10 @@ namespace drupe {
 /// Colour of the skin's cells, and how far each is from what healthy skin has there.
 struct SkinColours {
   std::vector<Eigen::Vector3f>
-      deviation;                   ///< a cell's Lab minus the healthy Lab there, L already weighted; 0 if unseen
-  std::vector<std::uint8_t> seen;  ///< 1 where the cell or a neighbour holds points
-  double sigma = 0;                ///< robust standard deviation of |deviation| over the healthy skin
+      deviation;                         ///< a cell's Lab minus the healthy Lab there, L already weighted; 0 if unseen
+  std::vector<Eigen::Vector3f> healthy;  ///< Lab of healthy skin in a cell, L already weighted; 0 if unseen
+  std::vector<std::uint8_t> seen;        ///< 1 where the cell or a neighbour holds points
+  double sigma = 0;                      ///< robust standard deviation of |deviation| over the healthy skin
 };
 
 /// Removes shading and the skin's own large-scale colours: the healthy colour is a smooth function of direction, fitted

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "defect_analysis/defects/healthy_skin.h"
+#include "defect_analysis/defects/point_classes.h"
 #include "defect_analysis/defects/skin_map.h"
 
 namespace drupe {
@@ -115,6 +116,28 @@ TEST(MeasureDeviation, TakesTheShadingOff) {
   for (int cell = 0; cell < map.size(); ++cell) largest = std::max<double>(largest, colours->deviation[cell].norm());
   EXPECT_LT(largest, 1.0);  // of 10 that the shading makes
   EXPECT_LT(colours->sigma, 0.2);
+}
+
+TEST(ClassifyPoints, EndsADefectWhereThePointsColourDoes) {
+  FruitCloud fruit = Sphere(100000);
+  const Eigen::Vector3f middle = Eigen::Vector3f(1, 0.3f, 0.2f).normalized();
+  std::vector<std::uint8_t> truth;
+  for (std::size_t i = 0; i < fruit.size(); ++i) {
+    truth.push_back(fruit.offsets[i].normalized().dot(middle) > std::cos(0.1f) ? 1 : 0);
+    if (truth[i] != 0) fruit.lab[i] += Eigen::Vector3f(-18, 12, -15);
+  }
+  const SkinMap map(fruit);
+  const auto colours = MeasureDeviation(fruit, map, {});
+  ASSERT_TRUE(colours.ok());
+  const Segmentation segmentation = SegmentColours(colours->deviation, colours->seen, colours->sigma, {});
+  const std::vector<std::uint8_t> classes = ClassifyPoints(fruit, map, *colours, segmentation, {});
+  double both = 0, either = 0;
+  for (std::size_t i = 0; i < fruit.size(); ++i) {
+    both += truth[i] != 0 && classes[i] != 0 ? 1 : 0;
+    either += truth[i] != 0 || classes[i] != 0 ? 1 : 0;
+  }
+  EXPECT_GT(either, 200);
+  EXPECT_GT(both / either, 0.99);
 }
 
 }  // namespace
