@@ -47,6 +47,21 @@ class CliTest(unittest.TestCase):
         self.assertAlmostEqual(found["K"][0][0] / true["K"][0][0], 1, delta=0.01)
         self.assertLess(found["rms_px"], 0.5)
 
+    def test_vocabulary(self):
+        images, words, out = self.pictures(3), self.directory / "words", self.directory / "out"
+        trained = self.drupe("vocabulary", images, "--out", words, "--options", json.dumps(QUICK_OPTIONS))
+        self.assertEqual(trained.returncode, 0, trained.stderr)
+
+        def run(vocabulary):
+            options = {**QUICK_OPTIONS, "run_dense": False, "similarity": {"vocabulary": str(vocabulary)}}
+            return self.drupe("run", images, "--calibration", SAMPLE / "calibration.json", "--board",
+                              SAMPLE / "board.json", "--out", out, "--options", json.dumps(options))
+
+        self.assertEqual(run(words).returncode, 0)
+        self.assertIn("file_not_found", run(self.directory / "none").stderr)
+        words.write_bytes(words.read_bytes()[:-100])
+        self.assertIn("bad_vocabulary", run(words).stderr)
+
     def test_board(self):
         run = self.drupe("board", "--out", self.directory)
         self.assertEqual(run.returncode, 0, run.stderr)
