@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -26,10 +27,11 @@ struct ServiceOptions {
   Limits limits;                         ///< --max-request-mb, --max-image-mb, --max-images, --max-uploads
   ServerOptions server;                  ///< --host, --port
   std::string jobs_url;                  ///< --jobs-url: sqlite:PATH or postgres://...; empty: SQLite in `data`
-  std::string tokens;                    ///< --tokens FILE (ReadTokens); needed to listen beyond loopback
-  bool open_access = false;              ///< --open-access: listen beyond loopback without tokens
-  std::string service_token;             ///< --service-token FILE: what this service shows to the others
-  std::string public_url;                ///< --public-url: prefix of links in replies; empty: relative links
+  std::uint64_t min_free_bytes = std::uint64_t{64} << 20;  ///< --min-free-mb: left free on the disk of the objects
+  std::string tokens;         ///< --tokens FILE (ReadTokens); needed to listen beyond loopback
+  bool open_access = false;   ///< --open-access: listen beyond loopback without tokens
+  std::string service_token;  ///< --service-token FILE: what this service shows to the others
+  std::string public_url;     ///< --public-url: prefix of links in replies; empty: relative links
 };
 
 /// The frame of a service's main(): options (command line, then environment DRUPE_..., then --config FILE), JSON log,

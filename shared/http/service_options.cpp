@@ -30,6 +30,7 @@ void AddMegabytes(CLI::App& app, const std::string& flag, T& bytes, const std::s
 
 void AddLimits(CLI::App& app, ServiceOptions& options) {
   AddMegabytes(app, "--max-request-mb", options.limits.max_request_bytes, "largest request body");
+  AddMegabytes(app, "--min-free-mb", options.min_free_bytes, "disk space that uploads leave free: 507 beyond");
   AddMegabytes(app, "--max-image-mb", options.limits.max_image_bytes, "largest image file");
   const auto add = [&](const std::string& flag, int& value, int low, int high, const std::string& help) {
     app.add_option(flag, value, help)

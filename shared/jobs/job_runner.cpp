@@ -184,7 +184,11 @@ void JobRunner::Impl::WorkerLoop(int number) {
 void JobRunner::Impl::RunOne(const Job& job) {
   const TraceScope trace(job.trace);
   const Entry& entry = entries_.at(job.kind);
-  const auto running = std::make_shared<RunningJob>(job.id, job.attempt, entry.stages, [this] { BeatNow(); });
+  const auto on_new_stage = [this, &job](const std::string& ended, double wall_s) {
+    if (!ended.empty() && options_.on_stage) options_.on_stage(job, ended, wall_s);
+    BeatNow();
+  };
+  const auto running = std::make_shared<RunningJob>(job.id, job.attempt, entry.stages, on_new_stage);
   if (!Register(running)) {
     (void)store_.Release(job.id, job.attempt);  // when this fails, the lease runs out
     return;
@@ -192,6 +196,7 @@ void JobRunner::Impl::RunOne(const Job& job) {
   Log(LogLevel::kInfo, "job started", {{"job", job.id}, {"kind", job.kind}, {"attempt", job.attempt}});
   const Stopwatch watch;
   const Result<Json> outcome = CallHandler(entry, job, running->MakeContext(options_.threads_per_job));
+  running->EndStages();
   const double wall_s = watch.WallSeconds();
   const Status& status = outcome.status();
   Log(status.ok() ? LogLevel::kInfo : LogLevel::kWarning, "job attempt ended",

@@ -26,6 +26,9 @@ struct JobRunnerOptions {
   /// from worker threads. Empty: nobody listens.
   std::function<void(const Job& job, const Status& outcome, double wall_s)> on_attempt = nullptr;
 
+  /// Called when a stage of an attempt has ended, for metrics, likewise.
+  std::function<void(const Job& job, const std::string& stage, double wall_s)> on_stage = nullptr;
+
   Status Check() const;
 };
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 
@@ -77,6 +78,29 @@ TEST_F(JobRunnerTest, DeliversResults) {
   std::vector<std::string> ids;
   for (int i = 0; i < 20; ++i) ids.push_back(Submit());
   for (const std::string& id : ids) EXPECT_EQ(WaitForEnd(id).result, Json({{"y", 21}}));
+}
+
+TEST_F(JobRunnerTest, TellsOfEveryStageThatEnded) {
+  std::mutex mutex;
+  std::vector<std::string> ended;
+  JobRunnerOptions options;
+  options.on_stage = [&](const Job&, const std::string& stage, double wall_s) {
+    const std::lock_guard lock(mutex);
+    ended.push_back(stage);
+    EXPECT_GE(wall_s, 0);
+  };
+  Start(
+      [](const Job&, const RunContext& context) -> Result<Json> {
+        for (const char* stage : {"features", "dense"}) {
+          context.Report(stage, 0);
+          context.Report(stage, 1);
+        }
+        return Json(1);
+      },
+      {}, options);
+  WaitForEnd(Submit());
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(ended, (std::vector<std::string>{"features", "dense"}));
 }
 
 TEST_F(JobRunnerTest, RunsSeveralJobsAtOnce) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/trace.h"
+#include "jobs/job_runner.h"
 
 namespace drupe {
 namespace {
@@ -360,6 +361,23 @@ TEST_F(JobStoreConformance, EveryChangeWakesTheWaiters) {
   EXPECT_TRUE(changed());
   EXPECT_FALSE(TryClaim());
   EXPECT_FALSE(changed()) << "looking is no change";
+}
+
+TEST_F(JobStoreConformance, QueueCostsAJobLittle) {
+  constexpr int kJobs = 20;
+  JobRunner runner(store(), {.workers = 1});
+  runner.Handle("work", [](const Job&, const RunContext&) -> Result<Json> { return Json::object(); });
+  ASSERT_TRUE(runner.Start().ok());
+  const Stopwatch watch;
+  for (int i = 0; i < kJobs; ++i) {
+    const std::string id = Submit(Spec()).id;
+    for (std::uint64_t seen = 0; !IsTerminal(Get(id).state);) {
+      seen = store().changes().WaitBeyond(seen, std::chrono::milliseconds(100));
+    }
+  }
+  RecordProperty("overhead_ms", static_cast<int>(1000 * watch.WallSeconds() / kJobs));
+  // CPU, since three of its steps wait for the disk, which a busy test machine makes slow.
+  EXPECT_LT(watch.CpuSeconds(), 0.020 * kJobs);
 }
 
 TEST_F(JobStoreConformance, RemembersTheRequestThatSubmitted) {

@@ -6,7 +6,7 @@
 namespace drupe {
 
 RunningJob::RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages,
-                       std::function<void()> on_new_stage)
+                       OnNewStage on_new_stage)
     : id_(std::move(id)), attempt_(attempt), stages_(stages), on_new_stage_(std::move(on_new_stage)) {}
 
 RunContext RunningJob::MakeContext(int threads) {
@@ -28,10 +28,29 @@ void RunningJob::Report(std::string_view stage, double fraction) {
   {
     const std::lock_guard lock(mutex_);
     is_new = stage_ != stage;
-    stage_ = stage;
     progress_ = std::max(progress_, overall);
   }
-  if (is_new) on_new_stage_();
+  if (is_new) BeginStage(stage);
+}
+
+void RunningJob::BeginStage(std::string_view stage) {
+  std::string ended;
+  double wall_s = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    ended = std::exchange(stage_, stage);
+    wall_s = std::exchange(stage_watch_, Stopwatch()).WallSeconds();
+  }
+  on_new_stage_(ended, wall_s);
+}
+
+void RunningJob::EndStages() {
+  std::string last;
+  {
+    const std::lock_guard lock(mutex_);
+    last = stage_;  // stays, so that a job which failed says where
+  }
+  BeginStage(last);
 }
 
 double RunningJob::OverallProgress(std::string_view stage, double fraction) const {

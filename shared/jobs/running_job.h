@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/run_context.h"
 #include "jobs/job_runner.h"
 
@@ -15,9 +16,11 @@ namespace drupe {
 /// An attempt in progress: what the handler's thread reports and what the heartbeat thread tells it.
 class RunningJob {
  public:
-  /// `stages` must outlive the attempt. `on_new_stage` is called on the handler's thread whenever a stage begins.
-  RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages,
-             std::function<void()> on_new_stage);
+  /// Told on the handler's thread that a stage begins; `ended` is the one before ("" for none) and its wall time.
+  using OnNewStage = std::function<void(const std::string& ended, double wall_s)>;
+
+  /// `stages` must outlive the attempt.
+  RunningJob(std::string id, std::int64_t attempt, const std::vector<StageShare>& stages, OnNewStage on_new_stage);
 
   const std::string& id() const { return id_; }
   std::int64_t attempt() const { return attempt_; }
@@ -27,6 +30,9 @@ class RunningJob {
   /// Stage and progress as last reported.
   Heartbeat Snapshot(std::int64_t lease_ms) const;
 
+  /// Says that the handler has returned, which ends its last stage.
+  void EndStages();
+
   /// Tells the handler to stop. `GiveUp` also says that its outcome no longer counts: the attempt is over in the store.
   void RequestStop() { stop_ = true; }
   void GiveUp() { given_up_ = stop_ = true; }
@@ -34,17 +40,19 @@ class RunningJob {
 
  private:
   void Report(std::string_view stage, double fraction);
+  void BeginStage(std::string_view stage);
   /// The job's progress when `fraction` of `stage` is done; negative for a stage that has no share.
   double OverallProgress(std::string_view stage, double fraction) const;
 
   const std::string id_;
   const std::int64_t attempt_;
   const std::vector<StageShare>& stages_;
-  const std::function<void()> on_new_stage_;
+  const OnNewStage on_new_stage_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> given_up_{false};
   mutable std::mutex mutex_;
   std::string stage_;
+  Stopwatch stage_watch_;
   double progress_ = 0;  ///< never decreases
 };
 

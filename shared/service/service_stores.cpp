@@ -46,7 +46,8 @@ void AddDiskGauge(Metrics& metrics, const std::filesystem::path& data) {
 
 Result<ServiceStores> OpenServiceStores(const ServiceOptions& options, const std::string& service) {
   ServiceStores stores;
-  DRUPE_ASSIGN_OR_RETURN(stores.objects, ObjectStore::Open(options.data / "objects"));
+  DRUPE_ASSIGN_OR_RETURN(stores.objects,
+                         ObjectStore::Open(options.data / "objects", {.min_free_bytes = options.min_free_bytes}));
   DRUPE_ASSIGN_OR_RETURN(stores.database, OpenDatabase(options.jobs_url, options.data, service));
   DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenJobStore(*stores.database));
   return stores;

@@ -30,6 +30,10 @@ void CountAttempts(Metrics& metrics, JobRunnerOptions& options) {
     metrics.Count("drupe_job_failures_total", "Failed attempts by the code of their error.",
                   {{"kind", job.kind}, {"code", outcome.code()}});
   };
+  options.on_stage = [&metrics](const Job& job, const std::string& stage, double wall_s) {
+    metrics.Count("drupe_stage_seconds_total", "Wall time spent in the stages of jobs.",
+                  {{"kind", job.kind}, {"stage", stage}}, wall_s);
+  };
 }
 
 }  // namespace drupe

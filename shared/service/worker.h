@@ -11,7 +11,7 @@ namespace drupe {
 std::string WorkerName(const std::string& role);
 
 /// Counts the attempts that `options`' runner ends, by kind and outcome, with their wall times and the codes of their
-/// errors. `metrics` must outlive the runner.
+/// errors, and the time that goes into each stage. `metrics` must outlive the runner.
 void CountAttempts(Metrics& metrics, JobRunnerOptions& options);
 
 }  // namespace drupe
