@@ -30,7 +30,7 @@ class CliTest(unittest.TestCase):
         run = self.drupe("run", self.pictures(12), "--calibration", SAMPLE / "calibration.json", "--board",
                          SAMPLE / "board.json", "--out", out, "--options", json.dumps(QUICK_OPTIONS))
         self.assertEqual(run.returncode, 0, run.stderr)
-        for name in ("cameras.json", "sparse.ply", "dense.ply", "report.json", "timings.json"):
+        for name in ("cameras.json", "sparse.ply", "dense.ply", "preview.ply", "report.json", "timings.json"):
             self.assertTrue((out / name).is_file(), name)
         cameras = json.loads((out / "cameras.json").read_text())
         self.assertEqual((cameras["unit"], cameras["scale_source"]), ("mm", "board"))

@@ -9,7 +9,7 @@ import accuracy
 import contract
 from drupe import SAMPLE, DrupeTest, sample_images, sample_parts
 
-ARTIFACTS = ("cameras.json", "sparse.ply", "dense.ply", "colmap.zip", "model.nvm", "timings.json")
+ARTIFACTS = ("cameras.json", "sparse.ply", "dense.ply", "preview.ply", "colmap.zip", "model.nvm", "timings.json")
 
 
 class HappyPathTest(DrupeTest):
