@@ -1,41 +1,17 @@
 #include "capture/routes.h"
 
-#include <algorithm>
 #include <utility>
 
-#include "base/clock.h"
 #include "base/digest.h"
 #include "capture/calibration_job.h"
 #include "capture/calibration_request.h"
+#include "capture/job_json.h"
 #include "http/content.h"
 #include "http/request.h"
 #include "http/response.h"
 
 namespace drupe {
 namespace {
-
-constexpr std::size_t kMaxKeyBytes = 200;
-
-Json TimeOrNull(std::int64_t unix_ms) {
-  return unix_ms == 0 ? Json() : Json(FormatUtc(unix_ms));
-}
-
-/// A failed attempt that is retried is no error of the job yet.
-Json ErrorOrNull(const Job& job) {
-  if (!job.error || job.state != JobState::kFailed) return nullptr;
-  Json error = {{"code", job.error->code}, {"message", job.error->message}};
-  if (!job.error->field.empty()) error["field"] = job.error->field;
-  return error;
-}
-
-Result<std::string> ReadIdempotencyKey(const Request& request) {
-  const std::string key(request.Header("Idempotency-Key"));
-  if (request.headers.count("Idempotency-Key") == 0) return key;
-  const bool printable = std::all_of(key.begin(), key.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
-  if (printable && !key.empty() && key.size() <= kMaxKeyBytes) return key;
-  return InvalidArgument("invalid_idempotency_key", "Idempotency-Key must be 1 to 200 printable characters",
-                         "Idempotency-Key");
-}
 
 class CaptureRoutes {
  public:
@@ -119,18 +95,12 @@ class CaptureRoutes {
 
   Json SummaryJson(const Job& job) const {
     const Json result = job.result.value_or(Json::object());
-    return {{"id", job.id},
-            {"status", JobStateName(job.state)},
-            {"stage", job.stage},
-            {"progress", job.progress},
-            {"created_at", TimeOrNull(job.created_ms)},
-            {"started_at", TimeOrNull(job.started_ms)},
-            {"finished_at", TimeOrNull(job.finished_ms)},
-            {"error", ErrorOrNull(job)},
-            {"images", job.payload.value("images", Json::array()).size()},
-            {"grade", result.value("grade", Json())},
-            {"verdict", result.value("verdict", Json())},
-            {"links", LinksJson(job)}};
+    Json json = JobJson(job);
+    json["images"] = job.payload.value("images", Json::array()).size();
+    json["grade"] = result.value("grade", Json());
+    json["verdict"] = result.value("verdict", Json());
+    json["links"] = LinksJson(job);
+    return json;
   }
 
   const CaptureContext context_;

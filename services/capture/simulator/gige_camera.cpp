@@ -138,6 +138,8 @@ void GigeCamera::TakeCommands(const Socket& socket) {
     const ssize_t count =
         recvfrom(socket.fd, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
     if (count < static_cast<ssize_t>(kHeaderBytes)) return;
+    // A search goes out on every network of the machine; an answer to another would draw the stream there.
+    if (ntohl(from.sin_addr.s_addr) >> 24 != 127) continue;
     Answer(std::string_view(buffer.data(), static_cast<std::size_t>(count)), from);
   }
 }
@@ -177,7 +179,10 @@ void GigeCamera::Answer(std::string_view command, const sockaddr_in& from) {
     default:
       return;
   }
-  if (controller_ == 0 && registers_->Get(registers::kPrivilege) != 0) controller_ = KeyOf(from);
+  if (controller_ == 0 && registers_->Get(registers::kPrivilege) != 0) {
+    controller_ = KeyOf(from);
+    heard_ = SteadyClock::now();
+  }
   if (registers_->Get(registers::kPrivilege) == 0) controller_ = 0;
   std::string head;
   AppendBigEndian(head, 0, 2);

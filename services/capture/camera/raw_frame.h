@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "base/status.h"
+#include "image/image.h"
+
+namespace drupe {
+
+/// Which colour filters lie over the top left 2 x 2 pixels.
+enum class FrameLayout { kMono, kRgb, kBayerGr, kBayerRg, kBayerGb, kBayerBg };
+
+/// A picture as the camera sent it: rows without padding, 8 bits a sample.
+struct RawFrame {
+  int width = 0, height = 0;
+  FrameLayout layout = FrameLayout::kMono;
+  std::vector<std::uint8_t> bytes;
+  std::uint64_t id = 0;                            ///< the camera's own number of the frame
+  std::uint64_t timestamp_ns = 0;                  ///< of the exposure, by the camera's clock
+  std::chrono::steady_clock::time_point received;  ///< of its first packet, by ours
+};
+
+/// The frame in colour. Mosaics are interpolated by the filters of Malvar, He and Cutler ("High-quality linear
+/// interpolation for demosaicing of Bayer-patterned color images", ICASSP 2004): each missing colour is the mean of its
+/// neighbours, corrected by the Laplacian of the colour that was measured there. Linear and shift-invariant, so edges
+/// do not move, as switching methods make them; at the border pixels are mirrored. Errors: 500 `bad_frame` when the
+/// bytes are not as many as the size says.
+Result<RgbImage> DevelopFrame(const RawFrame& frame);
+
+}  // namespace drupe

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "capture/simulator/simulated_rig.h"
+
+namespace drupe {
+
+/// A simulated rig for a test. Every one has an address of its own on the loopback network.
+inline std::unique_ptr<SimulatedRig> StartRig(SimulatedRigOptions options = {}) {
+  static std::atomic<int> number = 1;
+  const std::string own = std::to_string(number++);
+  options.pictures = std::string(DRUPE_TEST_DATA) + "/plum-s/images";
+  options.address = "127.8.0." + own;
+  options.serial = "RIG" + own;
+  auto rig = SimulatedRig::Start(options);
+  EXPECT_TRUE(rig.ok()) << rig.status().ToString();
+  return rig.ok() ? std::move(*rig) : nullptr;
+}
+
+}  // namespace drupe

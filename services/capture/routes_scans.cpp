@@ -1,0 +1,223 @@
+#include "capture/routes_scans.h"
+
+#include <memory>
+#include <utility>
+
+#include "capture/calibration_job.h"
+#include "capture/job_json.h"
+#include "capture/scan_job.h"
+#include "capture/scan_request.h"
+#include "http/content.h"
+#include "http/request.h"
+#include "http/response.h"
+
+namespace drupe {
+namespace {
+
+constexpr int kScanAttempts = 20;  // each goes on where the one before ended
+
+class ScanRoutes {
+ public:
+  explicit ScanRoutes(const ScanContext& context) : context_(context) {}
+
+  Status Submit(const Request& request, Response& response) const {
+    JobSpec spec{.kind = kScanKind, .id_prefix = "scan", .max_attempts = kScanAttempts};
+    DRUPE_ASSIGN_OR_RETURN(spec.idempotency_key, ReadIdempotencyKey(request));
+    DRUPE_ASSIGN_OR_RETURN(Json body, ReadJsonBody(request));
+    DRUPE_RETURN_IF_ERROR(ResolveCalibration(body));
+    DRUPE_ASSIGN_OR_RETURN(const ScanRequest asked, ParseScanRequest(body));
+    spec.payload = ToJson(asked);
+    DRUPE_ASSIGN_OR_RETURN(const Job job, jobs().Submit(spec));
+    DRUPE_ASSIGN_OR_RETURN(const Json json, Summary(job));
+    response.SetJson(json, 202);
+    response.SetHeader("Location", LinkOf(job.id));
+    return Status::Ok();
+  }
+
+  Status List(const Request& request, Response& response) const {
+    JobFilter filter{.kind = kScanKind};
+    if (const auto state = request.Query("status")) {
+      DRUPE_ASSIGN_OR_RETURN(filter.state, ParseJobState(*state));
+    }
+    DRUPE_ASSIGN_OR_RETURN(const std::int64_t limit, request.QueryInt("limit", 50, 1, 200));
+    DRUPE_ASSIGN_OR_RETURN(const JobPage page,
+                           jobs().List(filter, static_cast<int>(limit), request.Query("cursor").value_or("")));
+    Json list = Json::array();
+    for (const Job& job : page.jobs) {
+      DRUPE_ASSIGN_OR_RETURN(Json json, Summary(job));
+      list.push_back(std::move(json));
+    }
+    const Json next = page.next_cursor.empty() ? Json() : Json(page.next_cursor);
+    response.SetJson({{"scans", std::move(list)}, {"next_cursor", next}});
+    return Status::Ok();
+  }
+
+  Status Get(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const Job job, Find(request));
+    DRUPE_ASSIGN_OR_RETURN(Json json, Summary(job));
+    json["request"] = job.payload;
+    json["frames"] = Json::array();
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<ScanFrame> frames, context_.scans.Frames(job.id));
+    for (const ScanFrame& frame : frames) {
+      Json entry = ToJson(frame);
+      entry["href"] = LinkOf(job.id) + "/frames/" + frame.name;
+      json["frames"].push_back(std::move(entry));
+    }
+    response.SetJson(json);
+    return Status::Ok();
+  }
+
+  Status Cancel(const Request& request, Response& response) const {
+    DRUPE_RETURN_IF_ERROR(Find(request).status());
+    DRUPE_ASSIGN_OR_RETURN(const Job job, jobs().Cancel(request.Capture("id")));
+    DRUPE_ASSIGN_OR_RETURN(const Json json, Summary(job));
+    response.SetJson(json, job.state == JobState::kCancelled ? 200 : 202);
+    return Status::Ok();
+  }
+
+  Status Resume(const Request& request, Response& response) const {
+    DRUPE_RETURN_IF_ERROR(Find(request).status());
+    DRUPE_ASSIGN_OR_RETURN(const Job before, jobs().Get(request.Capture("id")));
+    if (before.state == JobState::kSucceeded) {
+      return {StatusKind::kConflict, "scan_complete", "the scan has all its views; there is nothing to resume"};
+    }
+    DRUPE_ASSIGN_OR_RETURN(const Job job, jobs().Retry(before.id));
+    DRUPE_ASSIGN_OR_RETURN(const Json json, Summary(job));
+    response.SetJson(json, 202);
+    return Status::Ok();
+  }
+
+  Status Follow(const Request& request, Response& response) const {
+    DRUPE_RETURN_IF_ERROR(Find(request).status());
+    auto last = std::make_shared<std::string>();
+    response.SetEvents([this, id = request.Capture("id"), last](EventSink& sink) {
+      const Result<Job> job = jobs().Get(id);
+      const Result<Json> json = job.ok() ? Summary(*job) : Result<Json>(job.status());
+      if (!json.ok()) return false;
+      std::string text = DumpJson(*json);
+      if (text != *last && !sink.Send("status", *json)) return false;
+      *last = std::move(text);
+      return !(IsTerminal(job->state) && json->at("hand_over").at("ended").get<bool>());
+    });
+    return Status::Ok();
+  }
+
+  Status Preview(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const Job job, Find(request));
+    response.SetHeader("Cache-Control", "no-store");
+    if (const auto preview = context_.rig.PreviewOf(job.id)) {
+      response.SetText(preview->jpeg, "image/jpeg");
+      return Status::Ok();
+    }
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<ScanFrame> frames, context_.scans.Frames(job.id));
+    if (frames.empty()) return NotFound("no_picture_yet", "the scan has not taken a picture yet");
+    DRUPE_ASSIGN_OR_RETURN(std::string jpeg, context_.capture.objects.Get(frames.back().sha256));
+    response.SetText(std::move(jpeg), "image/jpeg");
+    return Status::Ok();
+  }
+
+  Status GetFrame(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const Job job, Find(request));
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<ScanFrame> frames, context_.scans.Frames(job.id));
+    for (const ScanFrame& frame : frames) {
+      if (frame.name != request.Capture("name")) continue;
+      DRUPE_ASSIGN_OR_RETURN(std::string jpeg, context_.capture.objects.Get(frame.sha256));
+      SendContent(request, MakeByteSource(std::move(jpeg)), "image/jpeg", frame.sha256, response);
+      return Status::Ok();
+    }
+    return NotFound("frame_not_found", "the scan has no frame " + request.Capture("name"));
+  }
+
+  Status StopTable(const Request&, Response& response) const {
+    response.SetJson({{"stopped", context_.rig.EmergencyStop()}});
+    return Status::Ok();
+  }
+
+ private:
+  JobStore& jobs() const { return context_.capture.jobs; }
+  std::string LinkOf(const std::string& id) const { return context_.capture.public_url + "/scans/" + id; }
+
+  Result<Job> Find(const Request& request) const {
+    DRUPE_ASSIGN_OR_RETURN(Job job, jobs().Get(request.Capture("id")));
+    if (job.kind == kScanKind) return job;
+    return NotFound("scan_not_found", "there is no scan " + job.id);
+  }
+
+  /// A calibration may be named by its id: the scan keeps its content.
+  Status ResolveCalibration(Json& body) const {
+    if (!body.is_object() || !body.contains("calibration") || !body["calibration"].is_string()) return Status::Ok();
+    const auto id = body["calibration"].get<std::string>();
+    const Result<Job> job = jobs().Get(id);
+    if (!job.ok() || job->kind != kCalibrateKind) {
+      return NotFound("calibration_not_found", "there is no calibration " + id, "calibration");
+    }
+    if (job->state != JobState::kSucceeded || !job->result) {
+      return {StatusKind::kConflict, "calibration_not_ready",
+              std::string("there is no calibration: its state is ") + JobStateName(job->state), "calibration"};
+    }
+    body["calibration"] = job->result->value("calibration", Json());
+    return Status::Ok();
+  }
+
+  Json HandOverJson(const ScanRecord& record, const std::vector<ScanFrame>& frames) const {
+    const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
+    std::int64_t sent = 0;
+    for (const ScanFrame& frame : frames) sent += frame.sent ? 1 : 0;
+    const std::string& url = context_.capture.reconstruction_url;
+    return {{"image_set", text(record.image_set)},
+            {"frames", sent},
+            {"reconstruction", text(record.job)},
+            {"link", record.job.empty() ? Json() : Json(url + "/reconstructions/" + record.job)},
+            {"error", text(record.hand_over_error)},
+            {"ended", record.ended}};
+  }
+
+  Json LinksJson(const std::string& id) const {
+    const std::string self = LinkOf(id);
+    return {{"self", self}, {"events", self + "/events"}, {"preview", self + "/preview.jpg"}};
+  }
+
+  Result<Json> Summary(const Job& job) const {
+    Result<ScanRecord> record = context_.scans.Get(job.id);
+    if (!record.ok() && record.status().kind() != StatusKind::kNotFound) return record.status();
+    const ScanRecord known = record.ok() ? *record : ScanRecord();
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<ScanFrame> frames, context_.scans.Frames(job.id));
+    Json json = JobJson(job);
+    json["mode"] = job.payload.value("mode", Json());
+    json["views"] = job.payload.value("views", Json());
+    json["taken"] = frames.size();
+    json["camera"] = known.camera;
+    json["counters"] = known.counters;
+    json["hand_over"] = HandOverJson(known, frames);
+    json["seconds_from_last_shutter"] = known.timings;
+    json["links"] = LinksJson(job.id);
+    return json;
+  }
+
+  const ScanContext context_;
+};
+
+using Method = Status (ScanRoutes::*)(const Request&, Response&) const;
+
+}  // namespace
+
+void AddScanRoutes(Router& router, const ScanContext& context) {
+  const auto routes = std::make_shared<ScanRoutes>(context);
+  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, Method method) {
+    router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
+      if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
+    });
+  };
+  const RouteOptions plain{.max_body_bytes = 0};
+  add("POST", "/scans", {}, &ScanRoutes::Submit);
+  add("GET", "/scans", plain, &ScanRoutes::List);
+  add("GET", "/scans/{id:scan}", plain, &ScanRoutes::Get);
+  add("DELETE", "/scans/{id:scan}", plain, &ScanRoutes::Cancel);
+  add("POST", "/scans/{id:scan}/resume", {}, &ScanRoutes::Resume);
+  add("GET", "/scans/{id:scan}/events", plain, &ScanRoutes::Follow);
+  add("GET", "/scans/{id:scan}/preview.jpg", plain, &ScanRoutes::Preview);
+  add("GET", "/scans/{id:scan}/frames/{name}", plain, &ScanRoutes::GetFrame);
+  add("POST", "/turntable/stop", {.reserved = true}, &ScanRoutes::StopTable);
+}
+
+}  // namespace drupe

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <optional>
+
+namespace drupe {
+
+/// The angles that a turning table has reported, to tell where it was when a frame was taken in between. Between two
+/// reports the speed is taken as constant.
+class AngleTrack {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  /// In order of time; the last few seconds are kept.
+  void Add(TimePoint at, double angle_deg);
+  void Clear() { samples_.clear(); }
+  /// Nothing when `at` lies more than half a second outside the reports.
+  std::optional<double> AngleAt(TimePoint at) const;
+
+ private:
+  struct Sample {
+    TimePoint at;
+    double angle_deg;
+  };
+  std::deque<Sample> samples_;
+};
+
+/// Which of `views` equally spaced views an angle belongs to.
+struct ViewOfAngle {
+  int view = 0;          ///< 0..views-1
+  double error_deg = 0;  ///< of the angle from the view's own
+};
+ViewOfAngle NearestView(double angle_deg, int views);
+
+}  // namespace drupe

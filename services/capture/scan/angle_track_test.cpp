@@ -1,0 +1,37 @@
+#include "capture/scan/angle_track.h"
+
+#include <gtest/gtest.h>
+
+namespace drupe {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(AngleTrackTest, InterpolatesBetweenReports) {
+  AngleTrack track;
+  const auto start = AngleTrack::TimePoint() + std::chrono::hours(1);
+  EXPECT_FALSE(track.AngleAt(start));
+  track.Add(start, 10);
+  track.Add(start + milliseconds(100), 11.2);
+  track.Add(start + milliseconds(200), 12.4);
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(50)), 10.6, 1e-9);
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(175)), 12.1, 1e-9);
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(300)), 13.6, 1e-9);
+  EXPECT_NEAR(*track.AngleAt(start - milliseconds(100)), 8.8, 1e-9);
+  EXPECT_FALSE(track.AngleAt(start + milliseconds(900)));
+  track.Clear();
+  EXPECT_FALSE(track.AngleAt(start));
+}
+
+TEST(NearestViewTest, WrapsEitherWay) {
+  EXPECT_EQ(NearestView(0, 36).view, 0);
+  EXPECT_EQ(NearestView(354, 36).view, 35);
+  EXPECT_EQ(NearestView(356, 36).view, 0);
+  EXPECT_EQ(NearestView(-11, 36).view, 35);
+  EXPECT_EQ(NearestView(730, 36).view, 1);
+  EXPECT_NEAR(NearestView(-11, 36).error_deg, -1, 1e-9);
+  EXPECT_EQ(NearestView(119, 3).view, 1);
+}
+
+}  // namespace
+}  // namespace drupe

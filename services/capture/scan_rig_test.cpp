@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <thread>
+
+#include "base/ids.h"
+#include "capture/rig_fixture.h"
+#include "capture/scan_run.h"
+#include "jobs/sqlite/database.h"
+
+namespace drupe {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+/// Scans over stores in a directory of their own, without a service.
+class ScanRunTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ = fs::temp_directory_path() / NewId("scan");
+    fs::create_directories(directory_);
+    auto objects = ObjectStore::Open(directory_ / "objects");
+    auto database = SqliteDatabase::Open(directory_ / "capture.db");
+    ASSERT_TRUE(objects.ok() && database.ok());
+    objects_ = std::move(*objects), database_ = std::move(*database);
+    auto scans = ScanStore::Open(*database_);
+    ASSERT_TRUE(scans.ok()) << scans.status().ToString();
+    scans_ = std::move(*scans);
+    rig_ = StartRig();
+  }
+  void TearDown() override {
+    scans_.reset();
+    database_.reset();
+    fs::remove_all(directory_);
+  }
+
+  ScanRequest Request(Json json) {
+    json["camera"] = {{"id", rig_->camera_id()}};
+    const auto request = ParseScanRequest(json);
+    EXPECT_TRUE(request.ok()) << request.status().ToString();
+    return request.ok() ? *request : ScanRequest();
+  }
+  ScanRequest QuickSteps(int views = 12) {
+    return Request({{"views", views}, {"turntable", {{"speed_deg_s", 360}, {"settle_ms", 0}}}});
+  }
+  Status Scan(const ScanRequest& request) {
+    const ScanTools tools{
+        *objects_, *scans_, state_, {.device = rig_->table_device()}, {.patience = std::chrono::seconds(10)}, [this] {
+          ++stored_;
+          if (after_frame_) after_frame_(stored_);
+        }};
+    RunContext context;
+    context.cancelled = [this] { return cancel_.load(); };
+    return ScanRun(tools, "scan_test", request, context).Run();
+  }
+  /// Each view once, at its angle.
+  void ExpectWhole(int views, double tolerance_deg) {
+    const auto frames = scans_->Frames("scan_test");
+    ASSERT_TRUE(frames.ok());
+    ASSERT_EQ(frames->size(), static_cast<std::size_t>(views));
+    for (int i = 0; i < views; ++i) {
+      const ScanFrame& frame = (*frames)[static_cast<std::size_t>(i)];
+      EXPECT_EQ(frame.view, i);
+      EXPECT_NEAR(std::remainder(frame.angle_deg - i * 360.0 / views, 360), 0, tolerance_deg) << i;
+      EXPECT_TRUE(objects_->Contains(frame.sha256));
+    }
+  }
+
+  fs::path directory_;
+  std::unique_ptr<ObjectStore> objects_;
+  std::unique_ptr<SqliteDatabase> database_;
+  std::unique_ptr<ScanStore> scans_;
+  std::unique_ptr<SimulatedRig> rig_;
+  RigState state_;
+  std::atomic<bool> cancel_{false};
+  int stored_ = 0;
+  std::function<void(int stored)> after_frame_;
+};
+
+TEST_F(ScanRunTest, StepsThroughATurn) {
+  const Status status = Scan(QuickSteps());
+  ASSERT_TRUE(status.ok()) << status.ToString();
+  ExpectWhole(12, 0.01);
+  EXPECT_TRUE(scans_->Get("scan_test")->captured);
+  EXPECT_TRUE(state_.PreviewOf("scan_test"));
+  EXPECT_FALSE(state_.PreviewOf("scan_other"));
+  const auto frames = scans_->Frames("scan_test");
+  for (const ScanFrame& frame : *frames) EXPECT_TRUE(ParseFrameCheck(frame.check).ok()) << frame.check.dump();
+}
+
+TEST_F(ScanRunTest, RetakesABlurredFrame) {
+  after_frame_ = [this](int stored) {
+    if (stored == 5) rig_->BlurFrames(1);  // the one after the next trigger
+  };
+  ASSERT_TRUE(Scan(QuickSteps(9)).ok());
+  ExpectWhole(9, 0.01);
+  const auto frames = scans_->Frames("scan_test");
+  EXPECT_EQ((*frames)[5].attempts, 2);
+  EXPECT_TRUE(ParseFrameCheck((*frames)[5].check).ok());
+}
+
+TEST_F(ScanRunTest, GoesOnWhereItWasCancelled) {
+  after_frame_ = [this](int stored) { cancel_ = stored == 4; };
+  EXPECT_EQ(Scan(QuickSteps()).kind(), StatusKind::kCancelled);
+  EXPECT_FALSE(rig_->table().moving());
+  const auto before = scans_->Frames("scan_test");
+  ASSERT_EQ(before->size(), 4U);
+  cancel_ = false, after_frame_ = nullptr;
+  ASSERT_TRUE(Scan(QuickSteps()).ok());
+  ExpectWhole(12, 0.01);
+  EXPECT_EQ((*scans_->Frames("scan_test"))[0].taken_ms, (*before)[0].taken_ms);  // not taken twice
+}
+
+TEST_F(ScanRunTest, WaitsForACameraThatIsAway) {
+  std::thread plugger;
+  after_frame_ = [&](int stored) {
+    if (stored != 3) return;
+    rig_->camera().Unplug();
+    plugger = std::thread([this] {
+      std::this_thread::sleep_for(milliseconds(800));
+      EXPECT_TRUE(rig_->camera().Plug().ok());
+    });
+  };
+  const Status status = Scan(QuickSteps(6));
+  plugger.join();
+  ASSERT_TRUE(status.ok()) << status.ToString();
+  ExpectWhole(6, 0.01);
+}
+
+TEST_F(ScanRunTest, AnAlarmEndsTheAttemptAndTheNextGoesOn) {
+  after_frame_ = [this](int stored) {
+    if (stored == 3) rig_->grbl().RaiseAlarm();
+  };
+  EXPECT_EQ(Scan(QuickSteps(6)).code(), "table_alarm");
+  after_frame_ = nullptr;
+  const Status status = Scan(QuickSteps(6));
+  ASSERT_TRUE(status.ok()) << status.ToString();
+  ExpectWhole(6, 0.01);
+}
+
+TEST_F(ScanRunTest, ATurnGivesEveryViewAtItsAngleThoughPulsesAreMissed) {
+  after_frame_ = [this](int stored) {
+    if (stored == 6) rig_->table().SkipPulses(2);
+  };
+  const Status status = Scan(Request({{"mode", "continuous"}, {"turn_s", 12}, {"turntable", {{"speed_deg_s", 360}}}}));
+  ASSERT_TRUE(status.ok()) << status.ToString();
+  ExpectWhole(36, 3);
+  EXPECT_FALSE(rig_->table().moving());
+}
+
+TEST_F(ScanRunTest, RefusesACalibrationOfAnotherSizeBeforeAnythingMoves) {
+  ScanRequest request = QuickSteps();
+  request.calibration = *ParseJson(
+      R"({"width": 640, "height": 480, "K": [[500, 0, 320], [0, 500, 240], [0, 0, 1]], "dist": [0, 0, 0, 0, 0]})");
+  EXPECT_EQ(Scan(request).code(), "calibration_size_mismatch");
+  EXPECT_EQ(rig_->table().position_deg(), 0);
+}
+
+}  // namespace
+}  // namespace drupe
