@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import unittest
 
+import pictures
 from drupe import BIN, QUICK_OPTIONS, SAMPLE, sample_images
 
 
@@ -37,6 +38,34 @@ class CliTest(unittest.TestCase):
         self.assertEqual(sum(camera["registered"] for camera in cameras["cameras"]), 12)
         self.assertIn("dense", run.stderr, "stages are shown")
         self.assertNotIn("\x1b", run.stderr, "without a terminal, plain lines")
+
+    def test_train_a_model_and_analyse_a_cloud_with_it(self):
+        cloud, model, out = (self.directory / name for name in ("labelled.ply", "model.json", "out"))
+        cloud.write_bytes(pictures.labelled_ply())
+        run = self.drupe("model", "train", "--cloud", cloud, "--labels", "property", "--options", '{"name": "mine"}', "--out", model)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("100.00 %", run.stdout)
+        self.assertEqual(json.loads(model.read_text())["name"], "mine")
+        self.assertIn("support vectors in lab", self.drupe("model", "show", "default").stdout)
+        run = self.drupe("analyze", cloud, "--background-model", model, "--out", out)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("No fruit found", run.stdout)
+        self.assertEqual(json.loads((out / "report.json").read_text())["fruits"], [])
+
+    def test_analyse_and_train_refuse_with_the_reason(self):
+        cloud = self.directory / "labelled.ply"
+        cloud.write_bytes(pictures.labelled_ply())
+        broken = self.directory / "broken.json"
+        broken.write_text('{"format": "other"}')
+        for arguments, reason in [
+                (("analyze", cloud, "--background-model", broken, "--out", self.directory), "format"),
+                (("analyze", cloud, "--options", '{"background": {"model": "mdl_0"}}', "--out", self.directory), "mdl_0"),
+                (("analyze", self.directory / "none.ply", "--out", self.directory), "none.ply"),
+                (("model", "train", "--cloud", cloud, "--out", broken), "labels"),
+                (("model", "show", broken), "format")]:
+            run = self.drupe(*arguments)
+            self.assertEqual(run.returncode, 1, run.stdout)
+            self.assertIn(reason, run.stderr)
 
     def test_calibrate(self):
         out = self.directory / "calibration.json"
