@@ -19,6 +19,7 @@
 #include "cli/report_table.h"
 #include "cli/source_images.h"
 #include "defect_analysis/pipeline.h"
+#include "defect_analysis/report/report_files.h"
 #include "reconstruction/pipeline.h"
 #include "reconstruction/similarity/vocabulary.h"
 
@@ -96,6 +97,7 @@ Result<Report> Analyse(const RunRequest& request, ReconstructionOutput& output, 
   AnalysisInput analysis;
   analysis.cloud = output.cloud;
   analysis.scale_source = output.model.scale_source;
+  analysis.scale_relative_sigma = output.model.scale_relative_sigma;
   analysis.board = request.input.board;
   for (const View& view : output.model.views) {
     if (view.cam_from_world) analysis.camera_centres.push_back(view.cam_from_world->Centre());
@@ -114,13 +116,24 @@ Result<Report> Analyse(const RunRequest& request, ReconstructionOutput& output, 
   return report;
 }
 
-Status WriteResults(const std::string& directory, const ReconstructionOutput& output,
+/// The pictures by their place in the model.
+PhotographSource PhotographsOf(const ReconstructionInput& input, const SparseModel& model) {
+  return [&input, &model](std::size_t view) -> Result<std::string> {
+    for (const SourceImage& image : input.images) {
+      if (image.name == model.views[view].image) return image.read();
+    }
+    return NotFound("image_not_found", "there is no picture " + model.views[view].image);
+  };
+}
+
+Status WriteResults(const std::string& directory, const ReconstructionInput& input, const ReconstructionOutput& output,
                     const std::optional<Report>& report) {
   using Files = std::map<std::string, std::string>;
   DRUPE_ASSIGN_OR_RETURN(Files files, MakeArtifacts(output));
   if (report) {
-    files["report.json"] = DumpJson(ToJson(*report), 1);
-    files["report.csv"] = ToCsv(*report);
+    DRUPE_ASSIGN_OR_RETURN(Files more,
+                           MakeReportFiles(*report, output.cloud, output.model, PhotographsOf(input, output.model)));
+    files.merge(std::move(more));
   }
   for (const auto& [name, content] : files) {
     DRUPE_RETURN_IF_ERROR(WriteFileAtomically(std::filesystem::path(directory) / name, content));
@@ -157,7 +170,7 @@ Status Run(const RunArguments& arguments) {
   bar.Finish();
   output.timings.total_wall_s = total.WallSeconds();
   output.timings.peak_mb = ProcessPeakMb();
-  DRUPE_RETURN_IF_ERROR(WriteResults(arguments.out, output, report));
+  DRUPE_RETURN_IF_ERROR(WriteResults(arguments.out, request.input, output, report));
   PrintSummary(output, request.input.images.size(), report);
   std::printf("Written to %s\n", arguments.out.c_str());
   return Status::Ok();
@@ -180,7 +193,9 @@ void AddRunCommand(CLI::App& app, int& exit_code) {
   command
       ->add_option(
           "--out", arguments->out,
-          "Directory for cameras.json sparse.ply dense.ply colmap.zip model.nvm report.json report.csv timings.json")
+          "Directory for cameras.json sparse.ply dense.ply preview.ply colmap.zip model.nvm timings.json, report.json "
+          "report.csv observations.json defects.ply contact_sheet.png defect_FRUIT_DEFECT.png, and mesh.ply with "
+          "--mesh")
       ->required();
   command->add_option("--options", arguments->options,
                       "Options of the reconstruction: a JSON file, or JSON such as '{\"dense\": {\"level\": 1}}'");

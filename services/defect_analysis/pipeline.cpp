@@ -10,6 +10,7 @@
 #include "defect_analysis/fruit/traits.h"
 #include "defect_analysis/models/default_model.h"
 #include "defect_analysis/report/assemble.h"
+#include "defect_analysis/report/trait_uncertainty.h"
 
 namespace drupe {
 namespace {
@@ -26,13 +27,15 @@ Status CheckInput(const AnalysisInput& input) {
   return Status::Ok();
 }
 
-Result<std::vector<Fruit>> MeasureFruits(const std::vector<FruitCloud>& clouds, const DefectOptions& options,
-                                         const RunContext& context) {
+Result<std::vector<Fruit>> MeasureFruits(const std::vector<FruitCloud>& clouds, double scale_sigma,
+                                         const DefectOptions& options, const RunContext& context) {
   std::vector<Fruit> fruits;
   for (const FruitCloud& cloud : clouds) {
     context.Report("defects", static_cast<double>(fruits.size()) / static_cast<double>(clouds.size()));
     DRUPE_ASSIGN_OR_RETURN(std::vector<Defect> defects, FindDefects(cloud, options, context));
-    fruits.push_back(AssembleFruit(MeasureTraits(cloud), std::move(defects), cloud.mm_per_unit));
+    Fruit traits = MeasureTraits(cloud);
+    AddTraitUncertainties(cloud, scale_sigma, traits);
+    fruits.push_back(AssembleFruit(std::move(traits), std::move(defects), cloud.mm_per_unit));
   }
   NumberFruits(fruits);
   context.Report("defects", 1);
@@ -93,7 +96,7 @@ Result<Report> RunAnalysis(const AnalysisInput& input, const AnalysisOptions& op
   context.Report("fruit", 1);
   const Stopwatch defects_watch;
   Report report;
-  DRUPE_ASSIGN_OR_RETURN(report.fruits, MeasureFruits(clouds, options.defects, context));
+  DRUPE_ASSIGN_OR_RETURN(report.fruits, MeasureFruits(clouds, input.scale_relative_sigma, options.defects, context));
   report.scale_source = input.scale_source;
   report.timings_s = {{"fruit", fruit_s}, {"defects", defects_watch.WallSeconds()}};
   report.provenance.options = ToJson(options);

@@ -22,6 +22,7 @@ namespace drupe {
 struct AnalysisInput {
   PointCloud cloud;  ///< positions and colours are required, normals used where present
   ScaleSource scale_source = ScaleSource::kNone;
+  double scale_relative_sigma = 0;              ///< standard uncertainty of the scale, relative; 0 when unknown
   std::vector<Eigen::Vector3d> camera_centres;  ///< of the registered views, world frame; may be empty
   std::optional<Board> board;  ///< the world frame is the board's when it is there and the scale metric
   /// The model that options.background.model names; not needed for "none", nor for "default", the one built in.

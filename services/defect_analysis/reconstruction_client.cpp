@@ -97,6 +97,7 @@ Status ReadCameras(std::string_view text, AnalysisInput& input) {
   DRUPE_ASSIGN_OR_RETURN(const Json json, ParseJson(text, kCamerasLimits));
   DRUPE_ASSIGN_OR_RETURN(const SparseModel model, ParseCameras(json));
   input.scale_source = model.scale_source;
+  input.scale_relative_sigma = model.scale_relative_sigma;
   for (const View& view : model.views) {
     if (view.cam_from_world) input.camera_centres.push_back(view.cam_from_world->Centre());
   }

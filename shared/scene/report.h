@@ -30,12 +30,20 @@ struct Defect {
   double confidence = 0;  ///< 0..1
   Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double area_mm2 = 0;  ///< on the curved surface
-  double area_uncertainty_mm2 = 0;
-  double planar_area_mm2 = 0;  ///< of the contour in the fitted plane (Heron's triangles, paper 4.2 (2))
+  double area_mm2 = 0;              ///< on the curved surface
+  double area_uncertainty_mm2 = 0;  ///< standard uncertainty, as all named so
+  double planar_area_mm2 = 0;       ///< of the contour in the fitted plane (Heron's triangles, paper 4.2 (2))
   double perimeter_mm = 0;
   double perimeter_uncertainty_mm = 0;
-  double roundness = 0;  ///< 4 pi A / P^2
+  double roundness = 0;    ///< 4 pi A / P^2
+  double diameter_mm = 0;  ///< of the disc of its area
+  double diameter_uncertainty_mm = 0;
+  double length_mm = 0;  ///< long axis of the ellipse with the contour's second moments
+  double width_mm = 0;   ///< area over length, of an ellipse
+  double depth_mm = 0;   ///< below the healthy skin about it; negative when it stands out
+  double depth_uncertainty_mm = 0;
+  Eigen::Vector3d lab_change = Eigen::Vector3d::Zero();  ///< Lab of its core minus that of the skin about it
+  bool completed = false;  ///< part of it lies under another defect; that part of the contour is completed
   DefectPlane plane;
   std::vector<Eigen::Vector3d> contour_mm;  ///< closed B-spline, sampled; the first point is not repeated
   Eigen::Vector3d mean_lab = Eigen::Vector3d::Zero();
@@ -58,6 +66,7 @@ struct Fruit {
   double polar_uncertainty_mm = 0;
   double sphericity = 0;  ///< area of the sphere of equal volume over the fruit's area; 1 for a sphere
   Eigen::Vector3d mean_lab = Eigen::Vector3d::Zero();
+  Eigen::Vector3d lab_spread = Eigen::Vector3d::Zero();  ///< standard deviation over the seen skin
   double observed_surface_pct = 0;
   double defect_area_pct = 0;
   std::vector<Defect> defects;  ///< descending by area

@@ -32,6 +32,7 @@ struct Arguments {
 
 void TakeCameras(const SparseModel& model, AnalysisInput& input) {
   input.scale_source = model.scale_source;
+  input.scale_relative_sigma = model.scale_relative_sigma;
   for (const View& view : model.views) {
     if (view.cam_from_world) input.camera_centres.push_back(view.cam_from_world->Centre());
   }

@@ -54,7 +54,7 @@ class Tracer {
       stack.pop_back();
       region.mask[node] = 1;
       ++region.nodes;
-      region.overlaps_patch |= field_.inside[node] != 0;
+      region.overlaps_patch |= field_.inside[node] > 0;
       for (const auto& [dx, dy] : kSides) {
         const int column = node % field_.width + dx, row = node / field_.width + dy;
         if (!IsInside(column, row)) continue;

@@ -17,6 +17,13 @@ double SurenessOfDifference(double value, double threshold, double scale) {
   return 1 / (1 + std::exp(-3 * std::abs(value - threshold) / scale));
 }
 
+// Whether a defect lies deeper than `least` beyond doubt.
+bool IsSunk(const DefectShape& shape, double least) {
+  constexpr double kBeyondDoubt = 3;  // standard uncertainties
+  return shape.depth_uncertainty_mm > 0 && shape.depth_mm > least &&
+         shape.depth_mm > kBeyondDoubt * shape.depth_uncertainty_mm;
+}
+
 }  // namespace
 
 DefectShape ShapeOf(const Polygon& polygon, double area_mm2, double lightness_step) {
@@ -36,8 +43,17 @@ DefectShape ShapeOf(const Polygon& polygon, double area_mm2, double lightness_st
   const double spread = std::sqrt(std::max(0.0, mean * mean - moment.determinant()));
   const double length = 4 * std::sqrt(mean + spread);
   const double width = 4 * std::sqrt(std::max(1e-12, mean - spread));
-  DefectShape shape{.area_mm2 = area_mm2, .lightness_step = lightness_step};
+  DefectShape shape;
+  shape.area_mm2 = area_mm2;
+  shape.lightness_step = lightness_step;
   shape.elongation = length / width;
+  shape.length_mm = length;
+  const Eigen::Vector2d along(moment(0, 1), mean + spread - moment(0, 0));  // an eigenvector, unless it vanishes
+  if (along.norm() > 1e-12) {
+    shape.axis = along.normalized();
+  } else if (moment(1, 1) > moment(0, 0)) {
+    shape.axis = Eigen::Vector2d::UnitY();
+  }
   shape.width_mm = area_mm2 / (length * std::numbers::pi / 4);
   return shape;
 }
@@ -46,11 +62,14 @@ Classification Classify(const DefectShape& shape, const ClassOptions& options) {
   const double elongated = Sureness(shape.elongation, options.elongated_min);
   if (shape.elongation < options.elongated_min) {
     const bool decay = shape.area_mm2 >= options.decay_min_area_mm2;
+    if (!decay && 2 * shape.area_mm2 >= options.decay_min_area_mm2 && IsSunk(shape, options.decay_min_depth_mm)) {
+      return {DefectClass::kDecay, 0.6};
+    }
     const double size = Sureness(shape.area_mm2, options.decay_min_area_mm2);
     return {decay ? DefectClass::kDecay : DefectClass::kRainSpot, std::min(elongated, size)};
   }
   const bool narrow = shape.width_mm < options.crack_max_width_mm;
-  const bool dark = shape.lightness_step < options.crack_max_lightness;
+  const bool dark = shape.lightness_step < options.crack_max_lightness || IsSunk(shape, options.crack_min_depth_mm);
   const double width = Sureness(shape.width_mm, options.crack_max_width_mm);
   const double darkness = SurenessOfDifference(shape.lightness_step, options.crack_max_lightness, 10);
   if (narrow && dark) return {DefectClass::kCrack, std::min({elongated, width, darkness})};

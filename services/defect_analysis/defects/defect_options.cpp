@@ -59,6 +59,8 @@ void VisitFields(Options& o, const Visit& visit) {
   visit("decay_min_area_mm2", o.decay_min_area_mm2);
   visit("elongated_min", o.elongated_min);
   visit("crack_max_width_mm", o.crack_max_width_mm);
+  visit("decay_min_depth_mm", o.decay_min_depth_mm);
+  visit("crack_min_depth_mm", o.crack_min_depth_mm);
   visit("crack_max_lightness", o.crack_max_lightness);
 }
 
@@ -135,6 +137,8 @@ Status ClassOptions::Check() const {
   if (!(decay_min_area_mm2 > 0)) return Refuse("class.decay_min_area_mm2", "greater than 0");
   if (!(elongated_min >= 1)) return Refuse("class.elongated_min", "at least 1");
   if (!(crack_max_width_mm > 0)) return Refuse("class.crack_max_width_mm", "greater than 0");
+  if (!IsWithin(decay_min_depth_mm, 0, 100)) return Refuse("class.decay_min_depth_mm", "0 to 100");
+  if (!IsWithin(crack_min_depth_mm, 0, 100)) return Refuse("class.crack_min_depth_mm", "0 to 100");
   if (!IsWithin(crack_max_lightness, -100, 100)) return Refuse("class.crack_max_lightness", "-100 to 100");
   return Status::Ok();
 }

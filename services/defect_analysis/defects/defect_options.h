@@ -55,6 +55,8 @@ struct ClassOptions {
   double decay_min_area_mm2 = 20.0;    ///< a compact defect larger than this is decay
   double elongated_min = 2.5;          ///< length / width from which a defect is a scar or a crack
   double crack_max_width_mm = 0.9;     ///< an elongated defect narrower than this, and dark, is a crack
+  double decay_min_depth_mm = 0.15;    ///< a compact defect half as large and sunk deeper than this is decay
+  double crack_min_depth_mm = 0.12;    ///< an elongated, narrow defect sunk deeper than this is a crack, dark or not
   double crack_max_lightness = -12.0;  ///< L of the defect minus L of the skin about it, from which it counts as dark
 
   Status Check() const;

@@ -8,6 +8,7 @@
 #include "defect_analysis/defects/measure_defect.h"
 #include "defect_analysis/defects/patches.h"
 #include "defect_analysis/defects/segmentation.h"
+#include "defect_analysis/defects/separate.h"
 #include "defect_analysis/defects/significance.h"
 #include "defect_analysis/defects/skin_map.h"
 
@@ -39,11 +40,11 @@ std::vector<Defect> MeasurePatch(const Skin& skin, const Patch& patch, int numbe
                                  std::uint64_t seed) {
   std::vector<Defect> defects;
   if (MeasuredShare(skin, patch) < kMeasuredShare) return defects;
-  const auto field = BuildTransitionField(skin.bridged, skin.map, patch, number, skin.patch_of);
+  auto field = BuildTransitionField(skin.bridged, skin.map, patch, number, skin.patch_of);
   if (!field || !StandsOut(*field, skin.threshold, options.segmentation)) return defects;
-  for (const Polygon& boundary : TraceBoundaries(*field, options.contour.level, options.cluster.min_area_mm2)) {
-    auto defect =
-        MeasureDefect(skin.measured, skin.map, *field, boundary, options, seed + static_cast<std::uint64_t>(number));
+  const Outlines found = SeparateDefects(std::move(*field), skin.threshold, options);
+  for (const Outline& outline : found.outlines) {
+    auto defect = MeasureDefect(skin.measured, skin.map, outline, options, seed + static_cast<std::uint64_t>(number));
     if (defect) defects.push_back(std::move(*defect));
   }
   return defects;

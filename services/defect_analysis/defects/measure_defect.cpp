@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "defect_analysis/defects/classify.h"
+#include "defect_analysis/defects/depth.h"
 #include "defect_analysis/defects/plane_fit.h"
 
 namespace drupe {
@@ -13,6 +14,8 @@ namespace {
 constexpr int kMaxReportedContour = 400;  // points of contour_mm
 constexpr int kMostControlPoints = 160;
 constexpr double kBoundaryOffset = 0.1;    // of the points' spacing: standard uncertainty of the boundary as a whole
+constexpr double kDisputed = 0.7;          // of the area between two half-way lines
+constexpr double kCompletion = 0.02;       // of the area, where a part of the outline was completed
 constexpr double kSplineTolerance = 0.15;  // of the points' spacing: rms beyond which control points are doubled
 
 // Area of skin inside a polygon of the chart: the triangles of a fan about its centroid, each with the area scale of
@@ -103,8 +106,11 @@ double LevelAt(const TransitionField& field, const Eigen::Vector2d& flat) {
 
 // Standard uncertainty of the area: the noise of the colours moves each independent piece of the boundary; the whole
 // boundary may lie off by a tenth of the points' spacing, since that is how far the colours' own blur is known; and the
-// curvature correction is trusted to a third.
-double AreaUncertainty(const TransitionField& field, const Polygon& boundary, double perimeter) {
+// curvature correction is trusted to a third. Where the local half-way line was not that of the whole, either may be
+// right; and what is completed is guessed.
+double AreaUncertainty(const Outline& outline, double perimeter) {
+  const TransitionField& field = *outline.field;
+  const Polygon& boundary = outline.polygon;
   double slope = 0;
   const double step = field.blur;
   for (const Eigen::Vector2d& p : boundary) {
@@ -119,7 +125,17 @@ double AreaUncertainty(const TransitionField& field, const Polygon& boundary, do
   const double random = perimeter * shift / std::sqrt(std::max(1.0, perimeter / piece));
   const double offset = kBoundaryOffset * field.spacing * perimeter;
   const double correction = std::numbers::pi * field.blur * field.blur / 3;
-  return std::hypot(random, offset, correction);
+  const double shape = outline.completed ? kCompletion * std::abs(SignedArea(boundary)) : 0;
+  return std::hypot(std::hypot(random, offset, correction), kDisputed * outline.disputed_mm2, shape);
+}
+
+// Standard uncertainty of the perimeter: the boundary as a whole may lie off by as much as the area says, which a
+// closed curve answers with 2 pi of that; a long one's ends are blurred away or drawn out by a width; and the spline,
+// which follows the colours' noise a little, is trusted to half a percent.
+double PerimeterUncertainty(const TransitionField& field, const Defect& defect) {
+  const double offset = defect.area_uncertainty_mm2 / std::max(1e-9, defect.perimeter_mm);
+  const double ends = 1 - std::min(1.0, defect.roundness);  // of a disc none
+  return std::hypot(2 * std::numbers::pi * offset, ends * 4 * field.spacing, 0.005 * defect.perimeter_mm);
 }
 
 void MeasurePoints(const FruitCloud& fruit, const std::vector<std::uint32_t>& inside, const PlaneOptions& options,
@@ -145,8 +161,10 @@ std::vector<Eigen::Vector3d> Thin(const std::vector<Eigen::Vector3d>& curve) {
 
 }  // namespace
 
-std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map, const TransitionField& field,
-                                    const Polygon& boundary, const DefectOptions& options, std::uint64_t seed) {
+std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map, const Outline& outline,
+                                    const DefectOptions& options, std::uint64_t seed) {
+  const TransitionField& field = *outline.field;
+  const Polygon& boundary = outline.polygon;
   const Polygon polygon = UndoShrinkage(boundary, field.blur);
   const Result<ClosedSpline> spline = FitContour(polygon, options.contour, kSplineTolerance * field.spacing);
   if (!spline.ok()) return std::nullopt;
@@ -157,12 +175,24 @@ std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map,
   defect.normal = fruit.surface.NormalAt(direction);
   defect.area_mm2 = AreaOnSkin(field.chart, polygon);
   defect.perimeter_mm = ClosedLength(curve);
-  defect.area_uncertainty_mm2 = AreaUncertainty(field, boundary, defect.perimeter_mm);
+  defect.area_uncertainty_mm2 = AreaUncertainty(outline, defect.perimeter_mm);
+  defect.completed = outline.completed;
   MeasurePoints(fruit, PointsInside(fruit, map, field, polygon), options.plane, seed, defect);
   defect.planar_area_mm2 = HeronArea(curve, defect.plane.normal);
   defect.roundness = 4 * std::numbers::pi * defect.area_mm2 / (defect.perimeter_mm * defect.perimeter_mm);
   defect.contour_mm = Thin(curve);
-  const DefectShape shape = ShapeOf(polygon, defect.area_mm2, field.defect_lab[0] - field.healthy_lab[0]);
+  const DefectDepth depth = MeasureDepth(fruit, map, field.chart, polygon);
+  defect.depth_mm = depth.mm;
+  defect.depth_uncertainty_mm = depth.uncertainty_mm;
+  defect.lab_change = field.defect_lab - field.healthy_lab;
+  defect.diameter_mm = 2 * std::sqrt(defect.area_mm2 / std::numbers::pi);
+  defect.diameter_uncertainty_mm = defect.area_uncertainty_mm2 / (std::numbers::pi * defect.diameter_mm / 2);
+  defect.perimeter_uncertainty_mm = PerimeterUncertainty(field, defect);
+  DefectShape shape = ShapeOf(polygon, defect.area_mm2, defect.lab_change[0]);
+  shape.depth_mm = depth.mm;
+  shape.depth_uncertainty_mm = depth.uncertainty_mm;
+  defect.length_mm = shape.length_mm;
+  defect.width_mm = shape.width_mm;
   const Classification found = Classify(shape, options.classes);
   defect.defect_class = found.defect_class;
   defect.confidence = found.confidence;

@@ -179,11 +179,14 @@ void LayGrid(const std::vector<NearbyPoint>& points, TransitionField& field) {
   field.height = static_cast<int>(size.y() / field.step) + 2;
 }
 
-// Normalised convolution with a Gauss kernel: the weighted mean of the points' levels at every node.
-void Resample(const std::vector<NearbyPoint>& points, const std::vector<float>& levels, TransitionField& field) {
+// What is resampled of a point: the level, and the change of the colour's three channels.
+using Sample = Eigen::Vector4f;
+
+// Normalised convolution with a Gauss kernel: the weighted mean of the points' samples at every node.
+void Resample(const std::vector<NearbyPoint>& points, const std::vector<Sample>& samples, TransitionField& field) {
   const std::size_t nodes = static_cast<std::size_t>(field.width) * field.height;
   std::vector<float> weight(nodes, 1e-4f);  // so that nodes far from every point become 0
-  field.level.assign(nodes, 0);
+  std::vector<Sample> sums(nodes, Sample::Zero());
   const double reach = 3.2 * field.blur / field.step;
   const double falloff = 0.5 * field.step * field.step / (field.blur * field.blur);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -201,12 +204,30 @@ void Resample(const std::vector<NearbyPoint>& points, const std::vector<float>& 
       const std::size_t row = static_cast<std::size_t>(y) * field.width;
       for (int x = x0; x <= x1 && x - x0 < 32; ++x) {
         const float w = down * across[x - x0];
-        field.level[row + x] += w * levels[i];
+        sums[row + x] += w * samples[i];
         weight[row + x] += w;
       }
     }
   }
-  for (std::size_t i = 0; i < nodes; ++i) field.level[i] /= weight[i];
+  field.level.resize(nodes);
+  field.change.resize(nodes);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    field.level[i] = sums[i][0] / weight[i];
+    field.change[i] = sums[i].tail<3>() / weight[i];
+  }
+}
+
+// Robust standard deviation of each channel's change over the healthy skin.
+Eigen::Vector3f ChangeNoise(const std::vector<NearbyPoint>& points, const std::vector<Sample>& samples) {
+  Eigen::Vector3f noise;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (points[i].healthy) values.push_back(samples[i][1 + c]);
+    }
+    noise[c] = std::max(1e-3f, RobustSigma(std::move(values)));
+  }
+  return noise;
 }
 
 // Marks the patch, and makes healthy what lies beyond its reach: there uneven or shaded skin may come near the defect's
@@ -218,13 +239,16 @@ void MarkInside(const SkinMap& map, const Patch& patch, int number, const std::v
   std::vector<std::uint8_t> is_near(map.size(), 0);
   for (const std::int32_t cell : near) is_near[cell] = 1;
   field.inside.resize(field.level.size());
+  field.full_level = field.level;
   for (int row = 0; row < field.height; ++row) {
     for (int column = 0; column < field.width; ++column) {
       const Eigen::Vector3d direction = field.chart.DirectionFromFlat(field.FlatOf(column, row));
       const int cell = map.map().CellOf(direction.cast<float>());
       const std::size_t node = static_cast<std::size_t>(row) * field.width + column;
-      field.inside[node] = patch_of[cell] == number ? 1 : 0;
-      if (is_near[cell] == 0) field.level[node] = std::min(field.level[node], 0.0f);
+      field.inside[node] = patch_of[cell] == number ? 1 : patch_of[cell] >= 0 ? -1 : 0;
+      if (is_near[cell] != 0) continue;
+      field.level[node] = std::min(field.level[node], 0.0f);
+      field.change[node].setZero();
     }
   }
 }
@@ -242,14 +266,15 @@ std::optional<TransitionField> BuildTransitionField(const FruitCloud& fruit, con
   const auto ratio = CoreRatio(map, patch, depth, fruit, field.chart, *healthy);
   if (!ratio) return std::nullopt;
 
-  std::vector<float> levels(points.size());
+  std::vector<Sample> samples(points.size());
   std::vector<double> skin_levels;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d skin = healthy->At(points[i].flat);
     const Eigen::Vector3d way = ratio->cwiseProduct(skin) - skin;
     const double level = (points[i].linear - skin).dot(way) / std::max(1e-9, way.squaredNorm());
-    levels[i] = static_cast<float>(std::clamp(level, -0.5, 1.5));
-    if (points[i].healthy) skin_levels.push_back(levels[i]);
+    samples[i][0] = static_cast<float>(std::clamp(level, -0.5, 1.5));
+    samples[i].tail<3>() = (points[i].linear.cwiseQuotient(skin).array() - 1).cast<float>();
+    if (points[i].healthy) skin_levels.push_back(samples[i][0]);
     field.points += points[i].in_patch ? 1 : 0;
   }
   field.healthy_linear = healthy->At(Eigen::Vector2d::Zero());
@@ -260,7 +285,8 @@ std::optional<TransitionField> BuildTransitionField(const FruitCloud& fruit, con
   field.spacing = std::sqrt(area / static_cast<double>(points.size()));
   field.blur = kBlurPerSpacing * field.spacing;
   LayGrid(points, field);
-  Resample(points, levels, field);
+  Resample(points, samples, field);
+  field.change_noise = ChangeNoise(points, samples);
   MarkInside(map, patch, patch_number, patch_of, field);
   return field;
 }

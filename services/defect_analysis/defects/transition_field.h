@@ -17,11 +17,14 @@ struct TransitionField {
   int width = 0, height = 0;
   double step = 0;
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
-  std::vector<float> level{};          ///< row by row; 0 where no point is near
-  std::vector<std::int32_t> inside{};  ///< 1 where the node lies in the patch
-  double blur = 0;                     ///< standard deviation of the resampling's Gauss kernel, mm
-  double noise = 0;                    ///< standard deviation of one point's level
-  double spacing = 0;                  ///< of the points: one a spacing squared
+  std::vector<float> level{};             ///< row by row; 0 where no point is near
+  std::vector<float> full_level{};        ///< the same before it is limited to the patch's reach
+  std::vector<std::int32_t> inside{};     ///< 1 where the node lies in the patch, -1 in another one, else 0
+  std::vector<Eigen::Vector3f> change{};  ///< mean of colour / healthy colour - 1, linear light; 0 beyond the reach
+  Eigen::Vector3f change_noise = Eigen::Vector3f::Ones();  ///< standard deviation of one point of healthy skin in it
+  double blur = 0;                                         ///< standard deviation of the resampling's Gauss kernel, mm
+  double noise = 0;                                        ///< standard deviation of one point's level
+  double spacing = 0;                                      ///< of the points: one a spacing squared
   Eigen::Vector3d healthy_linear = Eigen::Vector3d::Zero();  ///< linear light of the skin about the patch
   Eigen::Vector3d defect_linear = Eigen::Vector3d::Zero();   ///< of the patch's core
   Eigen::Vector3d healthy_lab = Eigen::Vector3d::Zero();     ///< of the skin about the patch

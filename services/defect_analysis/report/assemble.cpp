@@ -10,7 +10,11 @@ void Rescale(double unit, Defect& defect) {
   defect.area_mm2 *= unit * unit;
   defect.area_uncertainty_mm2 *= unit * unit;
   defect.planar_area_mm2 *= unit * unit;
-  defect.perimeter_mm *= unit;
+  for (double* length :
+       {&defect.perimeter_mm, &defect.perimeter_uncertainty_mm, &defect.diameter_mm, &defect.diameter_uncertainty_mm,
+        &defect.length_mm, &defect.width_mm, &defect.depth_mm, &defect.depth_uncertainty_mm}) {
+    *length *= unit;
+  }
   defect.plane.offset_mm *= unit;
   defect.plane.rms_mm *= unit;
   defect.plane.mean_abs_z_mm *= unit;
@@ -19,10 +23,12 @@ void Rescale(double unit, Defect& defect) {
 
 void Rescale(double unit, Fruit& fruit) {
   fruit.centre_mm *= unit;
-  fruit.volume_mm3 *= unit * unit * unit;
-  fruit.surface_area_mm2 *= unit * unit;
-  fruit.equatorial_diameter_mm *= unit;
-  fruit.polar_diameter_mm *= unit;
+  for (double* volume : {&fruit.volume_mm3, &fruit.volume_uncertainty_mm3}) *volume *= unit * unit * unit;
+  for (double* area : {&fruit.surface_area_mm2, &fruit.surface_area_uncertainty_mm2}) *area *= unit * unit;
+  for (double* length : {&fruit.equatorial_diameter_mm, &fruit.equatorial_uncertainty_mm, &fruit.polar_diameter_mm,
+                         &fruit.polar_uncertainty_mm}) {
+    *length *= unit;
+  }
   for (Defect& defect : fruit.defects) Rescale(unit, defect);
 }
 

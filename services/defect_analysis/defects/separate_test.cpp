@@ -1,0 +1,167 @@
+#include "defect_analysis/defects/separate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "defect_analysis/defects/colour_layers.h"
+#include "defect_analysis/defects/depth.h"
+#include "defect_analysis/defects/local_halfway.h"
+#include "defect_analysis/defects/outline_shape.h"
+
+namespace drupe {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+FruitSurface Ball() {
+  return FruitSurface(Eigen::Vector3d::Zero(), CubeTable<float>::Of(16, [](const Eigen::Vector3d&) { return 18.0f; }));
+}
+
+Polygon Circle(const Eigen::Vector2d& middle, double radius, double from, double to, int points) {
+  Polygon polygon;
+  for (int k = 0; k < points; ++k) {
+    const double t = from + (to - from) * (k + 0.5) / points;
+    polygon.push_back(middle + radius * Eigen::Vector2d(std::cos(t), std::sin(t)));
+  }
+  return polygon;
+}
+
+// How far inside a disc, from 0 to 1 over an edge 0.2 mm wide.
+float Disc(const Eigen::Vector2d& p, const Eigen::Vector2d& middle, double radius) {
+  return static_cast<float>(std::clamp(0.5 + (radius - (p - middle).norm()) / 0.2, 0.0, 1.0));
+}
+
+// A field of 6 x 6 mm about the middle, `level(place)` and `change(place)` at its nodes.
+template <typename Level, typename Change>
+TransitionField FieldOf(const FruitSurface& surface, const Level& level, const Change& change) {
+  TransitionField field{.chart = SkinChart(surface, Eigen::Vector3d::UnitX())};
+  field.width = field.height = 200;
+  field.step = 0.03;
+  field.origin = Eigen::Vector2d(-3, -3);
+  field.blur = 0.06;
+  field.spacing = 0.09;
+  field.noise = 0.05;
+  field.healthy_linear = Eigen::Vector3d(0.25, 0.30, 0.05);
+  field.change_noise = Eigen::Vector3f::Constant(0.05f);
+  for (int row = 0; row < field.height; ++row) {
+    for (int column = 0; column < field.width; ++column) {
+      const Eigen::Vector2d p = field.FlatOf(column, row);
+      field.level.push_back(level(p));
+      field.change.push_back(change(p));
+      field.inside.push_back(field.level.back() > 0.3f ? 1 : 0);
+    }
+  }
+  field.full_level = field.level;
+  field.defect_linear = Eigen::Vector3d(0.1, 0.1, 0.04);
+  return field;
+}
+
+TEST(CompleteOutline, ClosesACircleOfWhichTwoThirdsAreSeen) {
+  const auto completed = CompleteOutline(Circle({2, -1}, 0.8, 0.3, 0.3 + 1.35 * kPi, 90));
+  ASSERT_TRUE(completed.has_value());
+  EXPECT_NEAR(SignedArea(completed->polygon), kPi * 0.64, 0.02);
+  EXPECT_NEAR(completed->seen_share, 0.68, 0.03);
+  EXPECT_LT(completed->rms, 0.01);
+}
+
+TEST(CompleteOutline, RefusesAShortArc) {
+  EXPECT_FALSE(CompleteOutline(Circle({0, 0}, 1, 0, 0.5, 40)).has_value());
+}
+
+// Two circles of radius 1 that overlap by 0.4 mm: an hourglass.
+TEST(SplitAtNeck, PartsTwoTouchingDiscs) {
+  const double angle = std::acos(0.8);
+  Polygon outline = Circle({-0.8, 0}, 1, angle, 2 * kPi - angle, 150);
+  const Polygon right = Circle({0.8, 0}, 1, angle - kPi, kPi - angle, 150);
+  outline.insert(outline.end(), right.begin(), right.end());
+  const auto parts = SplitAtNeck(outline, 0.35);
+  ASSERT_EQ(parts.size(), 2u);
+  for (const Polygon& part : parts) EXPECT_NEAR(SignedArea(part), kPi, 0.03 * kPi);
+}
+
+TEST(SplitAtNeck, LeavesASpotAndAScarWhole) {
+  EXPECT_EQ(SplitAtNeck(Circle({0, 0}, 1, 0, 2 * kPi, 200), 0.35).size(), 1u);
+  Polygon scar = Circle({0, 0}, 1, 0, 2 * kPi, 200);
+  for (Eigen::Vector2d& p : scar) p = {5 * p.x(), 0.8 * p.y() * (1 + 0.1 * std::cos(3 * p.x()))};
+  EXPECT_EQ(SplitAtNeck(scar, 0.35).size(), 1u);
+}
+
+TEST(SeparateDefects, TellsABrownSpotFromABlackStripItTouches) {
+  const FruitSurface surface = Ball();
+  const Eigen::Vector3f brown(-0.40f, -0.57f, 0.0f), black(-0.80f, -0.83f, -0.70f);
+  const auto strip = [](const Eigen::Vector2d& p) {
+    return static_cast<float>(std::clamp(0.5 + (0.3 - std::abs(p.y())) / 0.2, 0.0, 1.0)) *
+           (std::abs(p.x()) < 2.4 ? 1.0f : 0.0f);
+  };
+  const auto spot = [](const Eigen::Vector2d& p) { return Disc(p, {0.3, 0.9}, 0.7); };
+  const TransitionField field = FieldOf(
+      surface, [&](const Eigen::Vector2d& p) { return std::max(strip(p), spot(p)); },
+      [&](const Eigen::Vector2d& p) {
+        return Eigen::Vector3f(strip(p) * black + (1 - strip(p)) * spot(p) * brown);  // the strip lies on top
+      });
+  const Outlines found = SeparateDefects(field, 9, {});
+  ASSERT_EQ(found.outlines.size(), 2u);
+  const Outline& first = found.outlines[0];
+  const Outline& second = found.outlines[1];
+  EXPECT_NEAR(SignedArea(first.polygon), 4.8 * 0.6, 0.1);
+  EXPECT_NEAR(SignedArea(second.polygon), kPi * 0.49, 0.05);
+  EXPECT_FALSE(first.completed);
+  EXPECT_TRUE(second.completed);
+}
+
+TEST(SeparateDefects, LeavesASpotWithADarkMiddleWhole) {
+  const FruitSurface surface = Ball();
+  const auto change = [](const Eigen::Vector2d& p) {
+    const float spot = Disc(p, {0, 0}, 1.5), middle = Disc(p, {0.1, 0}, 0.7);
+    return Eigen::Vector3f(
+        spot * ((1 - middle) * Eigen::Vector3f(-0.4f, -0.57f, 0) + middle * Eigen::Vector3f(-0.8f, -0.83f, -0.7f)));
+  };
+  const auto level = [](const Eigen::Vector2d& p) { return Disc(p, {0, 0}, 1.5); };
+  const Outlines found = SeparateDefects(FieldOf(surface, level, change), 9, {});
+  ASSERT_EQ(found.outlines.size(), 1u);
+  EXPECT_NEAR(SignedArea(found.outlines[0].polygon), kPi * 2.25, 0.05);
+}
+
+// Skin that is shaded to 0.4 of the defect's level on one side of a disc with a soft edge.
+TEST(FollowLocalHalfway, IsNotMovedByShadeBesideTheDefect) {
+  const FruitSurface surface = Ball();
+  const auto level = [](const Eigen::Vector2d& p) {
+    const auto disc = static_cast<float>(std::clamp(0.5 + (1 - p.norm()) / 0.4, 0.0, 1.0));
+    const float shade = p.x() > 0 ? 0.4f : 0.0f;
+    return disc + (1 - disc) * shade;
+  };
+  const TransitionField field = FieldOf(surface, level, [](const Eigen::Vector2d&) { return Eigen::Vector3f::Zero(); });
+  const Polygon outline = TraceBoundaries(field, 0.5, 0.3).at(0);
+  EXPECT_GT(SignedArea(outline), 1.06 * kPi);
+  EXPECT_NEAR(SignedArea(FollowLocalHalfway(field, outline, 0.5)) / kPi, 1, 0.03);
+}
+
+// A ball with a hollow 0.2 mm deep and 2 mm in radius.
+TEST(MeasureDepth, OfAHollow) {
+  FruitCloud fruit;
+  fruit.surface = Ball();
+  fruit.observed_share = 1;
+  constexpr int kPoints = 120000;
+  for (int k = 0; k < kPoints; ++k) {
+    const double x = 1 - (2.0 * k + 1) / kPoints, azimuth = 2 * kPi * std::numbers::phi * k;
+    const double ring = std::sqrt(1 - x * x), away = 18 * std::acos(x);
+    const double radius = 18 - 0.2 * std::clamp((2 - away) / 0.3, 0.0, 1.0);
+    const Eigen::Vector3d direction(x, ring * std::cos(azimuth), ring * std::sin(azimuth));
+    fruit.offsets.push_back((radius * direction).cast<float>());
+    fruit.colours.push_back(Rgb8(100, 150, 50));
+    fruit.lab.push_back(LabFromSrgb(fruit.colours.back()));
+  }
+  const SkinMap map(fruit);
+  const SkinChart chart(fruit.surface, Eigen::Vector3d::UnitX());
+  const DefectDepth depth = MeasureDepth(fruit, map, chart, Circle({0, 0}, 2, 0, 2 * kPi, 100));
+  EXPECT_NEAR(depth.mm, 0.2, 0.01);
+  EXPECT_LT(depth.uncertainty_mm, 0.01);
+  const DefectDepth level =
+      MeasureDepth(fruit, map, SkinChart(fruit.surface, Eigen::Vector3d::UnitZ()), Circle({0, 0}, 2, 0, 2 * kPi, 100));
+  EXPECT_NEAR(level.mm, 0, 0.003);
+}
+
+}  // namespace
+}  // namespace drupe
