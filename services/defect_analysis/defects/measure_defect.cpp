@@ -14,8 +14,9 @@ namespace {
 constexpr int kMaxReportedContour = 400;  // points of contour_mm
 constexpr int kMostControlPoints = 160;
 constexpr double kBoundaryOffset = 0.1;    // of the points' spacing: standard uncertainty of the boundary as a whole
+constexpr double kSoftEdge = 0.12;         // of an edge's own width: where in it a grader would draw the line
 constexpr double kDisputed = 0.7;          // of the area between two half-way lines
-constexpr double kCompletion = 0.02;       // of the area, where a part of the outline was completed
+constexpr double kCompletion = 0.05;       // of the area, where a part of the outline was completed
 constexpr double kSplineTolerance = 0.15;  // of the points' spacing: rms beyond which control points are doubled
 
 // Area of skin inside a polygon of the chart: the triangles of a fan about its centroid, each with the area scale of
@@ -107,7 +108,7 @@ double LevelAt(const TransitionField& field, const Eigen::Vector2d& flat) {
 // Standard uncertainty of the area: the noise of the colours moves each independent piece of the boundary; the whole
 // boundary may lie off by a tenth of the points' spacing, since that is how far the colours' own blur is known; and the
 // curvature correction is trusted to a third. Where the local half-way line was not that of the whole, either may be
-// right; and what is completed is guessed.
+// right; where in a soft edge a defect ends is a matter of convention; and what is completed is guessed.
 double AreaUncertainty(const Outline& outline, double perimeter) {
   const TransitionField& field = *outline.field;
   const Polygon& boundary = outline.polygon;
@@ -126,7 +127,10 @@ double AreaUncertainty(const Outline& outline, double perimeter) {
   const double offset = kBoundaryOffset * field.spacing * perimeter;
   const double correction = std::numbers::pi * field.blur * field.blur / 3;
   const double shape = outline.completed ? kCompletion * std::abs(SignedArea(boundary)) : 0;
-  return std::hypot(std::hypot(random, offset, correction), kDisputed * outline.disputed_mm2, shape);
+  // An edge that the kernel alone would make this steep has no width of its own.
+  const double own_width = std::max(0.0, 1 / std::max(0.05, slope) - std::sqrt(2 * std::numbers::pi) * field.blur);
+  const double soft = kSoftEdge * own_width * perimeter;
+  return std::hypot(std::hypot(random, offset, correction), soft, std::hypot(kDisputed * outline.disputed_mm2, shape));
 }
 
 // Standard uncertainty of the perimeter: the boundary as a whole may lie off by as much as the area says, which a
