@@ -81,6 +81,7 @@ class ScanRoutes {
     if (before.state == JobState::kSucceeded) {
       return {StatusKind::kConflict, "scan_complete", "the scan has all its views; there is nothing to resume"};
     }
+    DRUPE_RETURN_IF_ERROR(context_.scans.Reopen(before.id));
     DRUPE_ASSIGN_OR_RETURN(const Job job, jobs().Retry(before.id));
     DRUPE_ASSIGN_OR_RETURN(const Json json, Summary(job));
     response.SetJson(json, 202);
@@ -97,7 +98,8 @@ class ScanRoutes {
       std::string text = DumpJson(*json);
       if (text != *last && !sink.Send("status", *json)) return false;
       *last = std::move(text);
-      return !(IsTerminal(job->state) && json->at("hand_over").at("ended").get<bool>());
+      const bool handed_over = json->at("hand_over").at("ended").get<bool>();
+      return !IsTerminal(job->state) || (job->state == JobState::kSucceeded && !handed_over);
     });
     return Status::Ok();
   }

@@ -190,6 +190,9 @@ Status ScanStore::SetTimings(std::string_view id, const Json& timings) {
 Status ScanStore::SetEnded(std::string_view id) {
   return Set("ended", id, 1);
 }
+Status ScanStore::Reopen(std::string_view id) {
+  return Set("ended", id, 0);
+}
 
 Json ToJson(const ScanFrame& frame) {
   return {{"view", frame.view},           {"name", frame.name},

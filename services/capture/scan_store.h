@@ -71,6 +71,8 @@ class ScanStore {
   Status SetHandOverError(std::string_view id, std::string_view error);
   Status SetTimings(std::string_view id, const Json& timings);
   Status SetEnded(std::string_view id);
+  /// The scan goes on, and so does its hand-over.
+  Status Reopen(std::string_view id);
 
  private:
   explicit ScanStore(Database& database) : database_(database) {}

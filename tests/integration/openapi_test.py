@@ -4,8 +4,9 @@ import json
 import unittest
 
 import contract
+import fake_rig
 import pictures
-from drupe import QUICK_OPTIONS, SAMPLE, DrupeTest, multipart, sample_images, sample_parts, wait_for
+from drupe import ENDED, QUICK_OPTIONS, SAMPLE, DrupeTest, multipart, sample_images, sample_parts, wait_for
 
 UNKNOWN = "a" * 20
 
@@ -140,6 +141,79 @@ class OpenApiTest(DrupeTest):
         self.call("analysis", "GET", f"/models/mdl_{UNKNOWN}/model.json", expect=404)
         self.post_parts("analysis", "/models", [("options", None, {})], 400)
         self.post_parts("analysis", "/models", [("cloud", "x.ply", b"ply\n")], 422)
+
+    def start_capture_with_a_rig(self):
+        rig = fake_rig.FakeRig()
+        self.addCleanup(rig.close)
+        capture = self.system.capture
+        capture.stop()
+        capture.arguments += ["--turntable-device", rig.table]
+        capture.start()
+        return rig
+
+    def test_4_scan(self):
+        rig = self.start_capture_with_a_rig()
+        request = {"camera": rig.camera, "views": 6, "turntable": {"speed_deg_s": 90, "settle_ms": 0}, "reconstruct": False}
+        path = f"/scans/{self.call('capture', 'POST', '/scans', request, expect=202).json()['id']}"
+
+        def frames():
+            scan = self.call("capture", "GET", path, expect=200).json()
+            return scan["taken"] >= 2 and scan
+
+        wait_for("two frames", frames, 60, 0.1)
+        self.call("capture", "GET", f"{path}/preview.jpg", expect=200)
+        name = self.call("capture", "GET", path, expect=200).json()["frames"][0]["name"]
+        tag = self.call("capture", "GET", f"{path}/frames/{name}", expect=200).headers["etag"]
+        self.call("capture", "GET", f"{path}/frames/{name}", headers={"If-None-Match": tag}, expect=304)
+        self.call("capture", "GET", f"{path}/frames/none.jpg", expect=404)
+        self.call("capture", "POST", "/turntable/stop", {}, expect=200)
+        self.call("capture", "GET", "/scans?limit=1", expect=200)
+        self.call("capture", "GET", "/scans?limit=0", expect=400)
+        self.call("capture", "GET", f"/scans/scan_{UNKNOWN}", expect=404)
+        self.call("capture", "POST", "/scans", {"views": 1}, expect=400)
+        self.call("capture", "POST", "/scans", {"calibration": "cal_unknown"}, expect=404)
+
+    def test_5_cancelled_scan(self):
+        absent = {"camera": "Nobody-Nothing-0", "turntable": "external"}
+        path = f"/scans/{self.call('capture', 'POST', '/scans', absent, expect=202).json()['id']}"
+        self.call("capture", "DELETE", path)
+        wait_for("cancelled", lambda: self.call("capture", "GET", path).json()["status"] == "cancelled", 30, 0.1)
+        self.call("capture", "POST", f"{path}/resume", {}, expect=202)
+        self.call("capture", "DELETE", path)
+        wait_for("cancelled", lambda: self.call("capture", "GET", path).json()["status"] == "cancelled", 30, 0.1)
+        self.call("capture", "GET", f"{path}/events", expect=200)
+        self.call("capture", "DELETE", path, expect=200)
+
+    def check_jobs_of(self, service, job):
+        """Cancels a job, at the first try or once it has been queued again, and tries it again."""
+        path = f"/jobs/{job}"
+
+        def ended():
+            return self.call(service, "GET", path, expect=200).json()["status"] in ENDED
+
+        for _ in range(20):
+            if self.call(service, "POST", f"{path}/cancel").status == 200:
+                break
+            wait_for("the job's end", ended, 60)
+            self.call(service, "POST", f"{path}/retry", expect=200)
+        wait_for("the cancelled job's end", ended, 60)
+        self.call(service, "POST", f"{path}/retry", expect=200)
+        self.call(service, "POST", f"{path}/retry")
+        self.call(service, "POST", f"{path}/cancel")
+        self.call(service, "GET", "/jobs?state=queued&limit=1", expect=200)
+        self.call(service, "GET", "/jobs?state=dead", expect=400)
+        self.call(service, "GET", "/jobs/job_unknown", expect=404)
+
+    def test_3_jobs(self):
+        self.check_jobs_of("reconstruction", self.system.submit(sample_images(36)))
+        unknown = f"rec_{'b' * 20}"
+        self.call("analysis", "POST", "/analyze", {"reconstruction": unknown}, expect=202)
+        page = self.call("analysis", "GET", f"/jobs?subject={unknown}", expect=200).json()
+        self.check_jobs_of("analysis", page["jobs"][0]["id"])
+        folder = SAMPLE / "calibration"
+        parts = [("images", path.name, path.read_bytes()) for path in sorted(folder.glob("*.jpg"))]
+        parts.append(("pattern", None, (folder / "pattern.json").read_text()))
+        self.check_jobs_of("capture", self.post_parts("capture", "/calibrations", parts, 202).json()["id"])
 
     def test_9_every_described_operation_has_succeeded(self):
         succeeded = {entry[:3] for entry in self.seen if entry[3] < 300}
