@@ -17,6 +17,9 @@ namespace {
 constexpr double kPlanarShare = 0.5;
 /// A second pose that verifies less than this share of what the first one does is not pursued.
 constexpr double kWorthGuiding = 0.8;
+/// How much further apart (squared) the looks of further matches may be than those of most verified ones: these are the
+/// coarsest features, and finer ones look less alike.
+constexpr double kLookMargin = 2.5;
 /// Two poses that differ by less are one.
 constexpr double kSameRotation = 0.005;
 
@@ -65,7 +68,7 @@ GuidedOptions GuideFrom(const Matches& verified, const PreparedPicture& first, c
   const double margin = 0.25 * (high - low);
   guide.inverse_depth_min = std::max(0.0, low - margin);
   guide.inverse_depth_max = high + margin;
-  guide.max_squared_distance = Quantile(distances, 0.95);
+  guide.max_squared_distance = static_cast<std::int32_t>(kLookMargin * Quantile(distances, 0.95));
   return guide;
 }
 
