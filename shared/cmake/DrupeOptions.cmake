@@ -24,14 +24,7 @@ if(DRUPE_SANITIZE)
   add_link_options(-fsanitize=${DRUPE_SANITIZE})
 endif()
 
-# Half of the time of a cold build went into reading the same headers. Off in the preset dev, which therefore finds a
-# forgotten #include.
-option(DRUPE_PRECOMPILE_HEADERS "Read the headers that nearly every file includes only once" ON)
-
 find_program(CCACHE_PROGRAM ccache)
-if(CCACHE_PROGRAM AND DRUPE_PRECOMPILE_HEADERS)
-  # ccache hashes a precompiled header by its content only when it is told that this is enough.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
-elseif(CCACHE_PROGRAM)
+if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()

@@ -8,35 +8,11 @@
 #
 # Includes are written from the top of shared/ or services/: #include "base/status.h", "reconstruction/dense/patch.h".
 
-# The precompiled headers, one set for what is shipped and one for tests. Sources still include what they use.
-set(drupe_common_headers <algorithm> <cmath> <cstdint> <functional> <map> <memory> <optional> <string> <vector>
-                         <Eigen/Core> <Eigen/LU> <nlohmann/json.hpp>)
-if(DRUPE_PRECOMPILE_HEADERS)
-  foreach(set headers test_headers)
-    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/drupe_${set}.cpp CONTENT "")
-    add_library(drupe_${set} OBJECT ${CMAKE_BINARY_DIR}/drupe_${set}.cpp)
-    target_link_libraries(drupe_${set} PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json)
-    target_precompile_headers(drupe_${set} PRIVATE ${drupe_common_headers})
-  endforeach()
-  # Tests are position-independent executables, not libraries, and a precompiled header belongs to one of the two.
-  set_target_properties(drupe_test_headers PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-  target_compile_options(drupe_test_headers PRIVATE -fPIE)
-  target_link_libraries(drupe_test_headers PRIVATE GTest::gtest)
-  target_precompile_headers(drupe_test_headers PRIVATE <gtest/gtest.h>)
-endif()
-
-function(drupe_reuse_headers name headers)
-  if(DRUPE_PRECOMPILE_HEADERS)
-    target_precompile_headers(${name} REUSE_FROM ${headers})
-  endif()
-endfunction()
-
 function(drupe_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  drupe_reuse_headers(${name} drupe_headers)
 endfunction()
 
 function(drupe_program name)
@@ -59,7 +35,6 @@ function(drupe_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_compile_definitions(${name} PRIVATE DRUPE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data")
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} GTest::gtest_main)
-  drupe_reuse_headers(${name} drupe_test_headers)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES ${properties})
