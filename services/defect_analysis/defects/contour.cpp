@@ -31,6 +31,32 @@ Eigen::Vector2d Centroid(const Polygon& polygon) {
   return area == 0 ? origin : Eigen::Vector2d(origin + sum / area);
 }
 
+bool Contains(const Polygon& polygon, const Eigen::Vector2d& p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[j];
+    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+  }
+  return inside;
+}
+
+double CommonArea(const Polygon& a, const Polygon& b) {
+  constexpr int kSamples = 100;
+  const Polygon& smaller = SignedArea(a) < SignedArea(b) ? a : b;
+  const Polygon& larger = SignedArea(a) < SignedArea(b) ? b : a;
+  if (smaller.empty()) return 0;
+  Eigen::Vector2d low = smaller[0], high = smaller[0];
+  for (const Eigen::Vector2d& p : smaller) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Eigen::Vector2d step = (high - low) / kSamples;
+  int common = 0;
+  for (int k = 0; k < kSamples * kSamples; ++k) {
+    const Eigen::Vector2d p = low + step.cwiseProduct(Eigen::Vector2d(k % kSamples + 0.5, k / kSamples + 0.5));
+    common += Contains(smaller, p) && Contains(larger, p) ? 1 : 0;
+  }
+  return common * step.prod();
+}
+
 double ClosedLength(const std::vector<Eigen::Vector3d>& points) {
   double length = 0;
   for (std::size_t i = 0; i < points.size(); ++i) length += (points[(i + 1) % points.size()] - points[i]).norm();

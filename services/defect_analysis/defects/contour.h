@@ -20,6 +20,9 @@ std::vector<Polygon> TraceBoundaries(const TransitionField& field, double level,
 /// Signed area, positive for counter-clockwise.
 double SignedArea(const Polygon& polygon);
 Eigen::Vector2d Centroid(const Polygon& polygon);
+bool Contains(const Polygon& polygon, const Eigen::Vector2d& p);
+/// Area that two polygons have in common, from samples about a hundredth of the smaller one's extent apart.
+double CommonArea(const Polygon& a, const Polygon& b);
 
 /// A closed uniform B-spline in any dimension; control point i acts on spans i - degree .. i.
 class ClosedSpline {

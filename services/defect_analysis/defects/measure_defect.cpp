@@ -62,16 +62,6 @@ std::vector<Eigen::Vector3d> OnSkin(const SkinChart& chart, const Polygon& polyg
   return points;
 }
 
-bool Contains(const Polygon& polygon, const Eigen::Vector2d& p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Eigen::Vector2d &a = polygon[i], &b = polygon[j];
-    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
-  }
-  return inside;
-}
-
 // The cloud's points inside the boundary, through the cells under the field's nodes.
 std::vector<std::uint32_t> PointsInside(const FruitCloud& fruit, const SkinMap& map, const TransitionField& field,
                                         const Polygon& polygon) {

@@ -21,7 +21,8 @@ constexpr double kLongFrom = 2.5;        // length over width of a layer that is
 constexpr double kContrastShare = 0.25;  // of the significance threshold, between two layers with forms of their own
 constexpr double kWidestGap = 1.2;       // mm between two pieces of one crack or scar
 constexpr double kAligned = 0.9;         // cosine between a long piece's axis and the way to the next piece
-constexpr double kSmallPart = 0.3;       // of min_area: pieces of a layer that another one cuts
+constexpr double kInOther = 0.5;    // of a defect's area inside one of another colour that makes it a part of that one
+constexpr double kSmallPart = 0.3;  // of min_area: pieces of a layer that another one cuts
 
 // Raises the level to 1 within `half_width` of the line between two points.
 void DrawBridge(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double half_width, TransitionField& field) {
@@ -134,6 +135,19 @@ bool AreTwoDefects(const LayerOutlines& a, const LayerOutlines& b) {
   return smaller.IsRound() || smaller.IsLong() || (a.IsRound() && b.IsRound());
 }
 
+// Whether a defect of one colour lies mostly within one of the other: then it is a lighter or darker part of it. A
+// defect that touches another one lies beside it, even when what is covered of it was completed.
+bool LieWithinOneAnother(const std::vector<Outline>& outlines) {
+  for (std::size_t a = 0; a < outlines.size(); ++a) {
+    for (std::size_t b = a + 1; b < outlines.size(); ++b) {
+      if (outlines[a].field == outlines[b].field) continue;
+      const Polygon &first = outlines[a].polygon, &second = outlines[b].polygon;
+      if (CommonArea(first, second) > kInOther * std::min(SignedArea(first), SignedArea(second))) return true;
+    }
+  }
+  return false;
+}
+
 void Add(const LayerOutlines& traced, const TransitionField* field, double min_area, Outlines& result) {
   const bool covered = traced.OwnShare() < 0.99;
   if (covered && traced.IsRound() && !traced.IsLong()) {
@@ -168,7 +182,9 @@ Outlines SeparateDefects(TransitionField field, double threshold, const DefectOp
       for (ColourLayer& layer : layers) result.fields.push_back(std::move(layer.field));
       Add(first, &result.fields[0], min_area, result);
       Add(second, &result.fields[1], min_area, result);
-      return result;
+      if (!LieWithinOneAnother(result.outlines)) return result;
+      result.outlines.clear();
+      result.fields.clear();
     }
   }
   result.fields.push_back(std::move(field));

@@ -124,6 +124,30 @@ TEST(SeparateDefects, LeavesASpotWithADarkMiddleWhole) {
   EXPECT_NEAR(SignedArea(found.outlines[0].polygon), kPi * 2.25, 0.05);
 }
 
+// A broad brown patch with black blots along its rim, as decay has.
+TEST(SeparateDefects, LeavesAPatchWithDarkBlotsOnItsRimWhole) {
+  const FruitSurface surface = Ball();
+  const auto patch = [](const Eigen::Vector2d& p) { return Disc(p, {0, 0}, 2.2); };
+  const auto blots = [](const Eigen::Vector2d& p) {
+    return std::max(Disc(p, {1.75, 0.2}, 0.55), Disc(p, {-0.6, 1.7}, 0.5));
+  };
+  const auto change = [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector3f(blots(p) * Eigen::Vector3f(-0.8f, -0.83f, -0.7f) +
+                           (1 - blots(p)) * patch(p) * Eigen::Vector3f(-0.4f, -0.57f, 0));
+  };
+  const auto level = [&](const Eigen::Vector2d& p) { return std::max(patch(p), blots(p)); };
+  const Outlines found = SeparateDefects(FieldOf(surface, level, change), 9, {});
+  ASSERT_EQ(found.outlines.size(), 1u);
+  EXPECT_GT(SignedArea(found.outlines[0].polygon), kPi * 2.2 * 2.2 - 0.1);
+}
+
+TEST(CommonArea, OfTwoDiscs) {
+  const Polygon a = Circle({0, 0}, 1, 0, 2 * kPi, 200), b = Circle({1, 0}, 1, 0, 2 * kPi, 200);
+  EXPECT_NEAR(CommonArea(a, b), 2 * kPi / 3 - std::sqrt(3.0) / 2, 0.02);
+  EXPECT_NEAR(CommonArea(a, Circle({0.2, 0}, 0.5, 0, 2 * kPi, 200)), kPi / 4, 0.02);
+  EXPECT_EQ(CommonArea(a, Circle({3, 0}, 1, 0, 2 * kPi, 200)), 0);
+}
+
 // Skin that is shaded to 0.4 of the defect's level on one side of a disc with a soft edge.
 TEST(FollowLocalHalfway, IsNotMovedByShadeBesideTheDefect) {
   const FruitSurface surface = Ball();
