@@ -25,6 +25,7 @@ struct AnalyzeArguments {
   std::string cameras;
   std::string options;
   std::string background_model;
+  std::string class_model;
   std::string out;
   int threads = 0;
   std::uint64_t seed = 1;
@@ -61,7 +62,10 @@ Json TimingsJson(const Stopwatch& watch, const Report& report) {
 
 Status Analyze(const AnalyzeArguments& arguments) {
   DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJsonArgument(arguments.options));
-  DRUPE_ASSIGN_OR_RETURN(const AnalysisOptions options, ParseAnalysisOptions(json));
+  DRUPE_ASSIGN_OR_RETURN(AnalysisOptions options, ParseAnalysisOptions(json));
+  if (!arguments.class_model.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(options.defects.classes.model, LoadClassModelArgument(arguments.class_model));
+  }
   const Stopwatch watch;
   DRUPE_ASSIGN_OR_RETURN(const AnalysisInput input, LoadInput(arguments));
   ProgressBar bar(std::cerr);
@@ -101,6 +105,8 @@ void AddAnalyzeCommand(CLI::App& app, int& exit_code) {
       "Options of the analysis: a JSON file, or JSON such as '{\"contour\": {\"control_points\": 12}}'");
   command->add_option("--background-model", arguments->background_model,
                       "A model of `drupe model train`, in place of the one built in");
+  command->add_option("--class-model", arguments->class_model,
+                      "A model of `drupe classifier train`, in place of the rules by which defects are classed");
   command->add_option("--out", arguments->out, "Directory for report.json report.csv timings.json")->required();
   command->add_option("--threads", arguments->threads, "Threads; 0: one a core. The result does not depend on it")
       ->check(CLI::Range(0, 1024));

@@ -11,6 +11,7 @@ namespace drupe {
 void AddRunCommand(CLI::App& app, int& exit_code);
 void AddAnalyzeCommand(CLI::App& app, int& exit_code);
 void AddModelCommand(CLI::App& app, int& exit_code);
+void AddClassifierCommand(CLI::App& app, int& exit_code);
 void AddCalibrateCommand(CLI::App& app, int& exit_code);
 void AddBoardCommand(CLI::App& app, int& exit_code);
 void AddVocabularyCommand(CLI::App& app, int& exit_code);

@@ -36,4 +36,11 @@ Result<ColourModel> LoadModelArgument(const std::string& argument) {
   return ParseColourModel(json);
 }
 
+Result<std::optional<ClassModel>> LoadClassModelArgument(const std::string& argument) {
+  if (argument.empty()) return std::optional<ClassModel>();
+  DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJsonArgument(argument));
+  DRUPE_ASSIGN_OR_RETURN(ClassModel model, ParseClassModel(json));
+  return std::optional<ClassModel>(std::move(model));
+}
+
 }  // namespace drupe

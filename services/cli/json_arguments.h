@@ -6,6 +6,7 @@
 #include "base/json.h"
 #include "base/status.h"
 #include "scene/board.h"
+#include "scene/class_model.h"
 #include "scene/colour_model.h"
 
 namespace drupe {
@@ -19,5 +20,8 @@ Result<std::optional<Board>> LoadBoardArgument(const std::string& argument);
 
 /// A background model's argument: "default", or a model file's name.
 Result<ColourModel> LoadModelArgument(const std::string& argument);
+
+/// A classifier's argument: a model file's name. Empty: none, that is the rules.
+Result<std::optional<ClassModel>> LoadClassModelArgument(const std::string& argument);
 
 }  // namespace drupe

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   drupe::AddRunCommand(app, exit_code);
   drupe::AddAnalyzeCommand(app, exit_code);
   drupe::AddModelCommand(app, exit_code);
+  drupe::AddClassifierCommand(app, exit_code);
   drupe::AddCalibrateCommand(app, exit_code);
   drupe::AddBoardCommand(app, exit_code);
   drupe::AddVocabularyCommand(app, exit_code);

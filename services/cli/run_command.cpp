@@ -35,6 +35,7 @@ struct RunArguments {
   std::string out;
   std::string options;
   std::string analysis_options;
+  std::string class_model;
   int threads = 0;
   std::uint64_t seed = 1;
   bool no_analysis = false;
@@ -86,6 +87,10 @@ Result<RunRequest> LoadRequest(const RunArguments& arguments) {
   request.options.dense.mesh = request.options.dense.mesh || arguments.mesh;
   DRUPE_ASSIGN_OR_RETURN(const Json analysis_options, LoadJsonArgument(arguments.analysis_options));
   DRUPE_ASSIGN_OR_RETURN(request.analysis_options, ParseAnalysisOptions(analysis_options));
+  if (!arguments.class_model.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(request.analysis_options.defects.classes.model,
+                           LoadClassModelArgument(arguments.class_model));
+  }
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);
   if (error) return InvalidArgument("bad_output", "cannot create " + arguments.out + ": " + error.message(), "--out");
@@ -200,6 +205,8 @@ void AddRunCommand(CLI::App& app, int& exit_code) {
   command->add_option("--options", arguments->options,
                       "Options of the reconstruction: a JSON file, or JSON such as '{\"dense\": {\"level\": 1}}'");
   command->add_option("--analysis-options", arguments->analysis_options, "Options of the defect analysis, likewise");
+  command->add_option("--class-model", arguments->class_model,
+                      "A model of `drupe classifier train`, in place of the rules by which defects are classed");
   command->add_option("--threads", arguments->threads, "Threads; 0: one a core. The result does not depend on it")
       ->check(CLI::Range(0, 1024));
   command->add_option("--seed", arguments->seed, "Seed of the random choices");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "image/colour.h"
 #include "scene/synthetic_fruit.h"
 
@@ -97,6 +99,35 @@ TEST(RunAnalysis, IntactFruitHasNoDefects) {
   EXPECT_NEAR(report->fruits[0].polar_diameter_mm, 32, 0.5);  // the underside is closed, not seen
 }
 
+// Takes whatever is darker than the skin for a scar.
+ClassModel DarkIsScar() {
+  ClassModel model;
+  model.name = "dark";
+  model.classes = {DefectClass::kRainSpot, DefectClass::kScar};
+  model.weights.setZero(2, kClassFeatures);
+  model.weights(1, 5) = -1;  // of change_l
+  model.bias = Eigen::Vector2d(0, 0);
+  model.training = model.left_out = ClassConfusion::Zero(2, 2);
+  return model;
+}
+
+TEST(RunAnalysis, ATrainedModelTakesTheRulesPlace) {
+  SyntheticFruit fruit = SpottedFruit();
+  fruit.points = 40000;
+  AnalysisOptions options;
+  options.defects.classes.model = DarkIsScar();
+  const auto report = RunAnalysis(InputOf({fruit}), options, {});
+  ASSERT_TRUE(report.ok()) << report.status().ToString();
+  ASSERT_EQ(report->fruits.size(), 1u);
+  EXPECT_EQ(report->fruits[0].grade, DefectClass::kScar);
+  ASSERT_EQ(report->fruits[0].defects.size(), fruit.spots.size());
+  for (const Defect& defect : report->fruits[0].defects) {
+    EXPECT_EQ(defect.defect_class, DefectClass::kScar);
+    EXPECT_NEAR(defect.confidence, 1 / (1 + std::exp(defect.lab_change[0])), 1e-9);
+  }
+  EXPECT_EQ(report->provenance.options["class"]["model"], ToJson(DarkIsScar()));
+}
+
 TEST(RunAnalysis, SeveralFruitsAreReportedApart) {
   SyntheticFruit left = SpottedFruit(), right;
   left.points = right.points = 50000;
@@ -182,6 +213,27 @@ TEST(ParseAnalysisOptions, ReadsAndWritesEveryKey) {
   const auto read = ParseAnalysisOptions(ToJson(options));
   ASSERT_TRUE(read.ok()) << read.status().ToString();
   EXPECT_EQ(DumpJson(ToJson(*read)), DumpJson(ToJson(options)));
+}
+
+TEST(ParseAnalysisOptions, ReadsAClassifierInline) {
+  const auto read = ParseAnalysisOptions(Json{{"class", {{"model", ToJson(DarkIsScar())}, {"elongated_min", 3}}}});
+  ASSERT_TRUE(read.ok()) << read.status().ToString();
+  ASSERT_TRUE(read->defects.classes.model.has_value());
+  EXPECT_EQ(ToJson(*read)["class"]["model"], ToJson(DarkIsScar()));
+  const auto rules = ParseAnalysisOptions(Json{{"class", {{"model", "rules"}}}});
+  ASSERT_TRUE(rules.ok());
+  EXPECT_FALSE(rules->defects.classes.model.has_value());
+  EXPECT_EQ(ToJson(AnalysisOptions())["class"]["model"], "rules");
+}
+
+TEST(ParseAnalysisOptions, RefusesABadClassifier) {
+  Json model = ToJson(DarkIsScar());
+  model["classes"][1]["weights"][2] = 1e30;
+  const auto huge = ParseAnalysisOptions(Json{{"class", {{"model", model}}}});
+  EXPECT_EQ(huge.status().code(), "invalid_model");
+  EXPECT_EQ(huge.status().field(), "options.class.model.classes.weights");
+  EXPECT_EQ(ParseAnalysisOptions(Json{{"class", {{"model", "svm"}}}}).status().field(), "class.model");
+  EXPECT_EQ(ParseAnalysisOptions(Json{{"class", {{"model", 7}}}}).status().field(), "options.class.model");
 }
 
 TEST(ParseAnalysisOptions, NamesWhatIsWrong) {

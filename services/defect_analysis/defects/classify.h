@@ -2,7 +2,7 @@
 
 #include "defect_analysis/defects/contour.h"
 #include "defect_analysis/defects/defect_options.h"
-#include "scene/report.h"
+#include "scene/class_model.h"
 
 namespace drupe {
 
@@ -21,14 +21,9 @@ struct DefectShape {
 /// Elongation and width from the polygon's second moments on the flat map; the rest is copied.
 DefectShape ShapeOf(const Polygon& polygon, double area_mm2, double lightness_step);
 
-struct Classification {
-  DefectClass defect_class = DefectClass::kRainSpot;
-  double confidence = 0;  ///< 0.5 at a threshold, rising to 1 away from it
-};
-
-/// Rain spot: compact and small. Decay: compact and large, or half as large and sunk. Crack: elongated, narrow, and
-/// dark or sunk. Scar: elongated otherwise (paper 2.1). Sunk is what lies deeper than the option says by three standard
-/// uncertainties.
+/// The rules. Rain spot: compact and small. Decay: compact and large, or half as large and sunk. Crack: elongated,
+/// narrow, and dark or sunk. Scar: elongated otherwise (paper 2.1). Sunk is what lies deeper than the option says by
+/// three standard uncertainties. The confidence is 0.5 at a threshold, rising to 1 away from it.
 Classification Classify(const DefectShape& shape, const ClassOptions& options);
 
 }  // namespace drupe

@@ -74,6 +74,29 @@ void VisitGroups(Options& o, const Visit& visit) {
   visit("class", o.classes);
 }
 
+// "rules", or a model inline.
+Status ReadClassModel(const Json& json, OptionReader& fields, std::optional<ClassModel>& model) {
+  if (const auto found = json.find("model"); found == json.end() || !found->is_object()) {
+    std::string name = "rules";
+    fields.Read("model", name);
+    return name == "rules" ? Status::Ok() : Refuse("class.model", "\"rules\" or the content of a model file");
+  }
+  Result<ClassModel> read = ParseClassModel(*fields.Nested("model"));
+  if (!read.ok()) {
+    return InvalidArgument(read.status().code(), read.status().message(),
+                           fields.PathOf("model") + "." + read.status().field());
+  }
+  model = std::move(*read);
+  return Status::Ok();
+}
+
+// What a group has beside plain fields.
+template <typename Options>
+Status ReadRest(const Json& json, OptionReader& fields, Options& options) {
+  if constexpr (std::same_as<Options, ClassOptions>) return ReadClassModel(json, fields, options.model);
+  return Status::Ok();
+}
+
 }  // namespace
 
 Status ReadDefectOptions(OptionReader& reader, DefectOptions& options) {
@@ -83,7 +106,8 @@ Status ReadDefectOptions(OptionReader& reader, DefectOptions& options) {
     if (json == nullptr || !first.ok()) return;
     OptionReader fields(*json, reader.PathOf(name));
     VisitFields(group, [&](const char* key, auto& field) { fields.Read(key, field); });
-    first = fields.Finish();
+    first = ReadRest(*json, fields, group);
+    if (first.ok()) first = fields.Finish();
   });
   return first;
 }
@@ -95,6 +119,7 @@ Json ToJson(const DefectOptions& options) {
     VisitFields(group, [&](const char* key, const auto& field) { fields[key] = field; });
     json[name] = std::move(fields);
   });
+  json["class"]["model"] = options.classes.model ? ToJson(*options.classes.model) : Json("rules");
   return json;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "base/json.h"
 #include "base/option_reader.h"
 #include "base/status.h"
+#include "scene/class_model.h"
 
 namespace drupe {
 
@@ -50,8 +52,10 @@ struct ContourOptions {
   Status Check() const;
 };
 
-/// Classes by shape, size and colour.
+/// Classes by shape, size and colour: by a model, or by rules with the thresholds below.
 struct ClassOptions {
+  /// Trained from labelled reports; none: the rules. In JSON "model" is "rules" or the content of a model file.
+  std::optional<ClassModel> model;
   double decay_min_area_mm2 = 20.0;    ///< a compact defect larger than this is decay
   double elongated_min = 2.5;          ///< length / width from which a defect is a scar or a crack
   double crack_max_width_mm = 0.9;     ///< an elongated defect narrower than this, and dark, is a crack

@@ -187,7 +187,8 @@ std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map,
   shape.depth_uncertainty_mm = depth.uncertainty_mm;
   defect.length_mm = shape.length_mm;
   defect.width_mm = shape.width_mm;
-  const Classification found = Classify(shape, options.classes);
+  const std::optional<ClassModel>& model = options.classes.model;
+  const Classification found = model ? model->Classify(FeaturesOf(defect)) : Classify(shape, options.classes);
   defect.defect_class = found.defect_class;
   defect.confidence = found.confidence;
   return defect;

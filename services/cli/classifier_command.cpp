@@ -1,0 +1,133 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/files.h"
+#include "cli/bench/text_table.h"
+#include "cli/commands.h"
+#include "cli/json_arguments.h"
+#include "defect_analysis/models/train_class_model.h"
+
+namespace drupe {
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+constexpr std::size_t kMaxReportBytes = 64 << 20;  // thousands of defects with their contours
+
+/// What the user wrote after `drupe classifier train`.
+struct TrainArguments {
+  Names reports;
+  ClassTrainOptions options;
+  std::string out;
+};
+
+Result<std::vector<LabelledDefect>> LoadReport(const std::string& file) {
+  DRUPE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxReportBytes));
+  DRUPE_ASSIGN_OR_RETURN(const Json json, ParseJson(text, {.max_bytes = kMaxReportBytes}));
+  return ReadLabelledReport(json);
+}
+
+Status InFile(const std::string& file, const Status& status) {
+  return Status(status.kind(), status.code(), file + ": " + status.message(), status.field());
+}
+
+void PrintWeights(const ClassModel& model) {
+  Names heading = {"feature", "mean", "scale"};
+  for (const DefectClass one : model.classes) heading.push_back(DefectClassName(one));
+  std::vector<Names> rows;
+  for (int k = 0; k < kClassFeatures; ++k) {
+    rows.push_back({kClassFeatureNames[k], FixedText(model.mean[k], 3), FixedText(model.scale[k], 3)});
+    for (const double weight : model.weights.col(k)) rows.back().push_back(FixedText(weight, 2));
+  }
+  rows.push_back({"bias", "", ""});
+  for (const double bias : model.bias) rows.back().push_back(FixedText(bias, 2));
+  std::printf("%s: weights of the standardised features, from %lld defects of %lld reports, ridge %g\n",
+              model.name.c_str(), static_cast<long long>(model.training.sum()), static_cast<long long>(model.reports),
+              model.ridge);
+  std::fputs(FormatTextTable(heading, rows).c_str(), stdout);
+}
+
+void PrintConfusion(const char* title, const ClassModel& model, const ClassConfusion& table) {
+  std::printf("\n%s: %lld of %lld right\n", title, static_cast<long long>(table.trace()),
+              static_cast<long long>(table.sum()));
+  Names heading = {"is \\ taken for"};
+  for (const DefectClass one : model.classes) heading.push_back(DefectClassName(one));
+  std::vector<Names> rows;
+  for (Eigen::Index row = 0; row < table.rows(); ++row) {
+    rows.push_back({heading[static_cast<std::size_t>(row) + 1]});
+    for (const std::int64_t count : table.row(row)) rows.back().push_back(std::to_string(count));
+  }
+  std::fputs(FormatTextTable(heading, rows).c_str(), stdout);
+}
+
+void PrintModel(const ClassModel& model) {
+  PrintWeights(model);
+  PrintConfusion("The defects it was trained from", model, model.training);
+  PrintConfusion("Each report by a model of the others", model, model.left_out);
+}
+
+Status Train(const TrainArguments& arguments) {
+  std::vector<std::vector<LabelledDefect>> reports;
+  for (const std::string& file : arguments.reports) {
+    Result<std::vector<LabelledDefect>> report = LoadReport(file);
+    if (!report.ok()) return InFile(file, report.status());
+    reports.push_back(std::move(*report));
+  }
+  DRUPE_ASSIGN_OR_RETURN(const ClassModel model, TrainClassModel(reports, arguments.options));
+  DRUPE_RETURN_IF_ERROR(WriteFileAtomically(arguments.out, DumpJson(ToJson(model), 1) + "\n"));
+  PrintModel(model);
+  std::printf("Written to %s\n", arguments.out.c_str());
+  return Status::Ok();
+}
+
+Status Show(const std::string& file) {
+  DRUPE_ASSIGN_OR_RETURN(const std::optional<ClassModel> model, LoadClassModelArgument(file));
+  if (!model) return InvalidArgument("invalid_model", "name a model file", "FILE");
+  PrintModel(*model);
+  return Status::Ok();
+}
+
+int ExitCode(const char* command, const Status& status) {
+  if (status.ok()) return 0;
+  std::cerr << command << ": " << status.ToString() << "\n";
+  return 1;
+}
+
+void AddTrainCommand(CLI::App& classifier, int& exit_code) {
+  auto arguments = std::make_shared<TrainArguments>();
+  CLI::App* command = classifier.add_subcommand(
+      "train",
+      "Train a classifier of defects from reports in which a person has corrected the classes.\n"
+      "Take report.json of `drupe run` or of the service, set each defect's \"class\" to rain_spot, scar, crack or "
+      "decay, "
+      "and delete what is no defect. Then: drupe classifier train a/report.json b/report.json --out classes.json, and "
+      "drupe run ... --class-model classes.json");
+  command->add_option("REPORT", arguments->reports, "Corrected report.json files, in mm; one fruit in one report only")
+      ->required();
+  command->add_option("--name", arguments->options.name, "The model's name")->capture_default_str();
+  command
+      ->add_option("--ridge", arguments->options.ridge,
+                   "Penalty on the weights, 0.001 to 1000: the more, the less sure and the less learnt by heart")
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "The model file to write (JSON)")->required();
+  command->callback([arguments, &exit_code] { exit_code = ExitCode("drupe classifier train", Train(*arguments)); });
+}
+
+}  // namespace
+
+void AddClassifierCommand(CLI::App& app, int& exit_code) {
+  CLI::App* classifier =
+      app.add_subcommand("classifier", "Train and show models that tell the classes of defects apart");
+  classifier->require_subcommand(1);
+  AddTrainCommand(*classifier, exit_code);
+  auto file = std::make_shared<std::string>();
+  CLI::App* show = classifier->add_subcommand("show", "Print a model's weights and its confusion tables");
+  show->add_option("FILE", *file, "A model file")->required();
+  show->callback([file, &exit_code] { exit_code = ExitCode("drupe classifier show", Show(*file)); });
+}
+
+}  // namespace drupe
