@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "cli/progress_bar.h"
 #include "cli/report_table.h"
 #include "defect_analysis/pipeline.h"
+#include "defect_analysis/report/report_files.h"
 #include "scene/cameras_json.h"
 #include "scene/ply.h"
 
@@ -82,9 +84,11 @@ Status Analyze(const AnalyzeArguments& arguments) {
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error) return InvalidArgument("bad_output", "cannot create " + arguments.out + ": " + error.message(), "--out");
-  DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / "report.json", DumpJson(ToJson(report), 1)));
-  DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / "report.csv", ToCsv(report)));
-  DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / "timings.json", DumpJson(TimingsJson(watch, report), 1)));
+  const Json timings = TimingsJson(watch, report);
+  using Files = std::map<std::string, std::string>;
+  DRUPE_ASSIGN_OR_RETURN(Files files, MakeReportFiles(report, input.cloud, SparseModel(), PhotographSource()));
+  files["timings.json"] = DumpJson(timings, 1);
+  for (const auto& [name, content] : files) DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / name, content));
   std::fputs(ReportTable(report).c_str(), stdout);
   std::printf("%zu points in %.2f s (%.2f s of CPU), %.0f MB. Written to %s\n", input.cloud.size(), watch.WallSeconds(),
               watch.CpuSeconds(), ProcessPeakMb(), arguments.out.c_str());
@@ -107,7 +111,10 @@ void AddAnalyzeCommand(CLI::App& app, int& exit_code) {
                       "A model of `drupe model train`, in place of the one built in");
   command->add_option("--class-model", arguments->class_model,
                       "A model of `drupe classifier train`, in place of the rules by which defects are classed");
-  command->add_option("--out", arguments->out, "Directory for report.json report.csv timings.json")->required();
+  command
+      ->add_option("--out", arguments->out,
+                   "Directory for report.json report.csv observations.json defects.ply timings.json")
+      ->required();
   command->add_option("--threads", arguments->threads, "Threads; 0: one a core. The result does not depend on it")
       ->check(CLI::Range(0, 1024));
   command->add_option("--seed", arguments->seed, "Seed of the random choices");

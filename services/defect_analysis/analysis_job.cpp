@@ -1,6 +1,12 @@
 #include "defect_analysis/analysis_job.h"
 
+#include <map>
+#include <string>
 #include <utility>
+
+#include "base/limits.h"
+#include "base/log.h"
+#include "defect_analysis/report/report_files.h"
 
 namespace drupe {
 
@@ -25,6 +31,47 @@ Result<std::optional<ColourModel>> ReadBackgroundModel(const Json& payload, Obje
   return std::optional<ColourModel>(std::move(model));
 }
 
+/// The photographs in the store; empty unless it has that of every registered view, which it does where the services
+/// share a data directory. A contact sheet without some of the defects would pass for all of them.
+PhotographSource PhotographsIn(ObjectStore& objects, const FetchedReconstruction& fetched) {
+  bool any = false;
+  for (std::size_t view = 0; view < fetched.photographs.size(); ++view) {
+    if (!fetched.model.views[view].cam_from_world) continue;
+    if (!objects.Contains(fetched.photographs[view])) return {};
+    any = true;
+  }
+  if (!any) return {};
+  return [&objects, &fetched](std::size_t view) {
+    return objects.Get(fetched.photographs[view], Limits().max_image_bytes);
+  };
+}
+
+Result<std::map<std::string, std::string>> MakeFiles(const Report& report, const FetchedReconstruction& fetched,
+                                                     const PhotographSource& photographs) {
+  const auto make = [&](const PhotographSource& source) {
+    return MakeReportFiles(report, fetched.input.cloud, fetched.model, source);
+  };
+  auto files = make(photographs);
+  if (files.ok() || !photographs) return files;
+  Log(LogLevel::kWarning, "a report goes without pictures",
+      {{"reconstruction", report.id}, {"why", files.status().ToString()}});
+  return make({});
+}
+
+ReportEntry EntryOf(const Job& job, const Report& report, std::vector<Artifact> artifacts, std::int64_t now_ms) {
+  ReportEntry entry{.job = job.id, .reconstruction = job.subject, .created_ms = now_ms};
+  for (const Fruit& fruit : report.fruits) {
+    entry.grades.push_back(fruit.grade);
+    entry.defects += static_cast<int>(fruit.defects.size());
+  }
+  for (const Artifact& artifact : artifacts) {
+    if (artifact.name == "report.json") entry.json_sha256 = artifact.sha256;
+    if (artifact.name == "report.csv") entry.csv_sha256 = artifact.sha256;
+  }
+  entry.artifacts = std::move(artifacts);
+  return entry;
+}
+
 }  // namespace
 
 std::vector<StageShare> AnalysisStages() {
@@ -36,20 +83,27 @@ Result<Json> AnalysisJob::Run(const Job& job, const RunContext& context) const {
   DRUPE_ASSIGN_OR_RETURN(const std::optional<ReportEntry> known, index_.FindByJob(job.id));
   if (known) return ResultOf(*known);
   const std::int64_t now_ms = clock_.NowMs();
-  DRUPE_ASSIGN_OR_RETURN(const Report report, MakeReport(job, context, now_ms));
+  DRUPE_ASSIGN_OR_RETURN(FetchedReconstruction fetched, Fetch(job, context));
+  DRUPE_ASSIGN_OR_RETURN(const Report report, MakeReport(job, fetched, context, now_ms));
   context.Report("report", 0);
-  DRUPE_ASSIGN_OR_RETURN(const ReportEntry entry, StoreReport(job, report, now_ms));
+  DRUPE_ASSIGN_OR_RETURN(std::vector<Artifact> artifacts, StoreFiles(report, fetched));
+  const ReportEntry entry = EntryOf(job, report, std::move(artifacts), now_ms);
   DRUPE_RETURN_IF_ERROR(index_.Add(entry));
   context.Report("report", 1);
   return ResultOf(entry);
 }
 
-Result<Report> AnalysisJob::MakeReport(const Job& job, const RunContext& context, std::int64_t now_ms) const {
-  DRUPE_ASSIGN_OR_RETURN(const AnalysisOptions options, ParseAnalysisOptions(job.payload.at("options")));
+Result<FetchedReconstruction> AnalysisJob::Fetch(const Job& job, const RunContext& context) const {
   context.Report("fetch", 0);
   DRUPE_ASSIGN_OR_RETURN(FetchedReconstruction fetched, reconstructions_.Fetch(job.subject, context));
   DRUPE_ASSIGN_OR_RETURN(fetched.input.background_model, ReadBackgroundModel(job.payload, objects_));
   context.Report("fetch", 1);
+  return fetched;
+}
+
+Result<Report> AnalysisJob::MakeReport(const Job& job, FetchedReconstruction& fetched, const RunContext& context,
+                                       std::int64_t now_ms) const {
+  DRUPE_ASSIGN_OR_RETURN(const AnalysisOptions options, ParseAnalysisOptions(job.payload.at("options")));
   DRUPE_ASSIGN_OR_RETURN(Report report, RunAnalysis(fetched.input, options, context));
   report.id = job.subject;
   report.created_at = FormatUtc(now_ms);
@@ -60,17 +114,11 @@ Result<Report> AnalysisJob::MakeReport(const Job& job, const RunContext& context
   return report;
 }
 
-Result<ReportEntry> AnalysisJob::StoreReport(const Job& job, const Report& report, std::int64_t now_ms) const {
-  DRUPE_ASSIGN_OR_RETURN(const ObjectInfo json, objects_.Put(DumpJson(ToJson(report))));
-  DRUPE_ASSIGN_OR_RETURN(const ObjectInfo csv, objects_.Put(ToCsv(report)));
-  ReportEntry entry{.job = job.id, .reconstruction = job.subject, .created_ms = now_ms};
-  for (const Fruit& fruit : report.fruits) {
-    entry.grades.push_back(fruit.grade);
-    entry.defects += static_cast<int>(fruit.defects.size());
-  }
-  entry.json_sha256 = json.sha256;
-  entry.csv_sha256 = csv.sha256;
-  return entry;
+Result<std::vector<Artifact>> AnalysisJob::StoreFiles(const Report& report,
+                                                      const FetchedReconstruction& fetched) const {
+  using Files = std::map<std::string, std::string>;
+  DRUPE_ASSIGN_OR_RETURN(const Files files, MakeFiles(report, fetched, PhotographsIn(objects_, fetched)));
+  return StoreArtifacts(files, objects_);
 }
 
 }  // namespace drupe

@@ -24,8 +24,10 @@ inline constexpr std::string_view kAnalyzeKind = "analyze";
 /// The stages of an analysis job and their usual shares of its time.
 std::vector<StageShare> AnalysisStages();
 
-/// Does one analysis job: fetches the reconstruction, runs the pipeline, stores the report as JSON and CSV, and enters
-/// it in the index. Repeating a job whose report is already there changes nothing.
+/// Does one analysis job: fetches the reconstruction, runs the pipeline, stores the report and its other files
+/// (MakeReportFiles), and enters them in the index. Repeating a job whose report is already there changes nothing. The
+/// pictures of defects come when the object store has the photographs; where they cannot be drawn, the report does
+/// without them.
 class AnalysisJob {
  public:
   /// All of them must outlive this object.
@@ -38,8 +40,11 @@ class AnalysisJob {
   Result<Json> Run(const Job& job, const RunContext& context) const;
 
  private:
-  Result<Report> MakeReport(const Job& job, const RunContext& context, std::int64_t now_ms) const;
-  Result<ReportEntry> StoreReport(const Job& job, const Report& report, std::int64_t now_ms) const;
+  Result<FetchedReconstruction> Fetch(const Job& job, const RunContext& context) const;
+  /// Takes quality, times and provenance out of `fetched`.
+  Result<Report> MakeReport(const Job& job, FetchedReconstruction& fetched, const RunContext& context,
+                            std::int64_t now_ms) const;
+  Result<std::vector<Artifact>> StoreFiles(const Report& report, const FetchedReconstruction& fetched) const;
 
   const ReconstructionClient& reconstructions_;
   ObjectStore& objects_;

@@ -65,6 +65,10 @@ Result<AnalysisState> AnalysisService::Find(const std::string& reconstruction) {
   return state;
 }
 
+Status AnalysisService::SendArtifact(const Request& request, const AnalysisState& state, Response& response) {
+  return drupe::SendArtifact(request, state.job, ArtifactsOf(state), objects_, response);
+}
+
 Result<std::string> AnalysisService::Read(const ReportEntry& report, ReportFormat format) {
   return objects_.Get(format == ReportFormat::kJson ? report.json_sha256 : report.csv_sha256);
 }

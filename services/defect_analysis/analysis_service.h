@@ -3,11 +3,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/json.h"
 #include "base/status.h"
 #include "defect_analysis/model_catalogue.h"
 #include "defect_analysis/report_index.h"
+#include "http/request.h"
+#include "http/response.h"
 #include "jobs/job_store.h"
 #include "store/object_store.h"
 
@@ -18,6 +21,11 @@ struct AnalysisState {
   Job job;
   std::optional<ReportEntry> report;  ///< once the job has succeeded
 };
+
+/// The files of its report; none before the job has succeeded.
+inline std::vector<Artifact> ArtifactsOf(const AnalysisState& state) {
+  return state.report ? state.report->artifacts : std::vector<Artifact>();
+}
 
 enum class ReportFormat { kJson, kCsv };
 
@@ -36,6 +44,9 @@ class AnalysisService {
   /// Errors: 404 `report_not_found` when no analysis of the reconstruction was asked for.
   Result<AnalysisState> Find(const std::string& reconstruction);
   Result<ReportPage> List(const ReportQuery& query) { return index_.List(query); }
+  /// Answers with the file of the report that the route names. Errors: 404 `artifact_not_found`; those of the object
+  /// store.
+  Status SendArtifact(const Request& request, const AnalysisState& state, Response& response);
   /// A report's bytes, digest checked.
   Result<std::string> Read(const ReportEntry& report, ReportFormat format);
   ModelCatalogue& models() { return models_; }

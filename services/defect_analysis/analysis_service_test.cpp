@@ -2,24 +2,28 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "base/digest.h"
 #include "base/ids.h"
 #include "defect_analysis/analysis_job.h"
 #include "defect_analysis/routes.h"
-#include "scene/synthetic_fruit.h"
 #include "http/client.h"
 #include "http/server.h"
+#include "image/encode.h"
 #include "jobs/job_runner.h"
-#include "jobs/sqlite/database.h"
 #include "jobs/sql/sql_job_store.h"
+#include "jobs/sqlite/database.h"
 #include "scene/cameras_json.h"
 #include "scene/ply.h"
+#include "scene/synthetic_fruit.h"
+#include "service/references.h"
 
 namespace drupe {
 namespace {
@@ -67,6 +71,22 @@ std::map<std::string, std::string> MakeArtifacts() {
           {"board.json", DumpJson(ToJson(MakeGridBoard()))}};
 }
 
+/// cameras.json of one view, which looks from 200 mm away at the plum's spot, and its photograph.
+void AddPhotograph(std::map<std::string, std::string>& artifacts, std::map<std::string, std::string>& photographs) {
+  SparseModel model = ParseCameras(ParseJson(artifacts.at("cameras.json")).value()).value();
+  const Eigen::Vector3d z = -Eigen::Vector3d::UnitX(), x = Eigen::Vector3d::UnitZ().cross(z);
+  View view;
+  view.image = "00.png";
+  view.cam_from_world = Rigid3();
+  view.cam_from_world->rotation << x.transpose(), z.cross(x).transpose(), z.transpose();
+  view.cam_from_world->translation = -(view.cam_from_world->rotation * Eigen::Vector3d(200, 0, 34));
+  model.views = {view};
+  artifacts["cameras.json"] = DumpJson(CamerasJson(model));
+  RgbImage grey(model.camera.width, model.camera.height, 3);
+  for (int y = 0; y < grey.height(); ++y) std::fill_n(grey.Row(y), 3 * grey.width(), std::uint8_t{128});
+  photographs["00.png"] = EncodePng(grey).value();
+}
+
 /// The reconstruction service as the analysis sees it, with one reconstruction.
 class FakeReconstruction {
  public:
@@ -86,6 +106,7 @@ class FakeReconstruction {
     static const std::map<std::string, std::string> kArtifacts = MakeArtifacts();
     return kArtifacts;
   }();
+  std::map<std::string, std::string> photographs;  ///< by name
   std::string state = "succeeded";
   bool wrong_digests = false;
   std::atomic<int> downloads{0};
@@ -97,13 +118,22 @@ class FakeReconstruction {
       const std::string digest = Sha256Hex(wrong_digests ? name : bytes);
       listed.push_back({{"name", name}, {"sha256", digest}, {"bytes", bytes.size()}});
     }
+    Json names = Json::array(), digests = Json::array();
+    for (const auto& [name, bytes] : photographs) {
+      names.push_back(name);
+      digests.push_back(Sha256Hex(bytes));
+    }
     return {{"id", kId},
             {"status", state},
             {"quality", {{"registered", 36}}},
             {"timings", {{"stages", {{{"name", "dense"}, {"wall_s", 2.5}}}}}},
             {"artifacts", listed},
             {"provenance",
-             {{"image_set", "set_1"}, {"image_sha256", {"aa"}}, {"calibration", nullptr}, {"build", "0.1.0"}}}};
+             {{"image_set", "set_1"},
+              {"image_names", names},
+              {"image_sha256", digests},
+              {"calibration", nullptr},
+              {"build", "0.1.0"}}}};
   }
 };
 
@@ -158,6 +188,16 @@ class AnalysisServiceTest : public testing::Test {
     }
   }
 
+  std::string Download(const std::string& path) {
+    std::string bytes;
+    const auto append = [&](std::string_view piece) {
+      bytes.append(piece);
+      return true;
+    };
+    EXPECT_TRUE(api_->Download(path, 1 << 24, append).ok()) << path;
+    return bytes;
+  }
+
   const fs::path directory_ = fs::temp_directory_path() / NewId("analysistest");
   FakeReconstruction reconstruction_;
   std::unique_ptr<RunningServer> reconstruction_server_ =
@@ -194,13 +234,7 @@ TEST_F(AnalysisServiceTest, GivesTheReportOfAReconstruction) {
   const auto listed = api_->Get("/reports?grade=" + report->json["fruits"][0]["grade"].get<std::string>());
   EXPECT_EQ(listed->json["reports"][0]["id"], kId);
   EXPECT_EQ(listed->json["reports"][0]["defects"], 1);
-  std::string csv;
-  EXPECT_TRUE(api_->Download("/reports/rec_0a1b2c.csv", 1 << 20,
-                             [&](std::string_view piece) {
-                               csv.append(piece);
-                               return true;
-                             })
-                  .ok());
+  const std::string csv = Download("/reports/rec_0a1b2c.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 2) << csv;
 }
 
@@ -221,6 +255,47 @@ TEST_F(AnalysisServiceTest, ObjectsOfASharedStoreAreNotDownloaded) {
   StartRunner();
   ASSERT_TRUE(WaitForReport().ok());
   EXPECT_EQ(reconstruction_.downloads, 0);
+}
+
+TEST_F(AnalysisServiceTest, KeepsTheFilesOfAReport) {
+  AddPhotograph(reconstruction_.artifacts, reconstruction_.photographs);
+  ASSERT_TRUE(objects_->Put(reconstruction_.photographs.at("00.png")).ok());
+  ASSERT_TRUE(Analyze().ok());
+  EXPECT_EQ(api_->Get("/reports/rec_0a1b2c/artifacts")->json, Json::parse(R"({"artifacts": []})"));
+  StartRunner();
+  ASSERT_TRUE(WaitForReport().ok());
+  const std::set<std::string> referenced = ReferencedDigests(*database_).value();
+  const Json listed = api_->Get("/reports/rec_0a1b2c/artifacts")->json["artifacts"];
+  std::vector<std::string> names;
+  for (const Json& artifact : listed) {
+    names.push_back(artifact["name"]);
+    EXPECT_TRUE(referenced.contains(artifact["sha256"])) << "garbage would be collected: " << artifact;
+    EXPECT_EQ(Sha256Hex(Download("/reports/rec_0a1b2c/artifacts/" + names.back())), artifact["sha256"]);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"contact_sheet.png", "defect_1_1.png", "defects.ply", "observations.json",
+                                             "report.csv", "report.json"}));
+  EXPECT_EQ(api_->Get("/reports/rec_0a1b2c/artifacts/report.json")->json["id"], kId);
+  EXPECT_EQ(api_->Get("/reports/rec_0a1b2c/artifacts/x.png").status().code(), "artifact_not_found");
+  EXPECT_EQ(api_->Get("/reports/rec_unknown/artifacts").status().code(), "report_not_found");
+}
+
+TEST_F(AnalysisServiceTest, WithoutPhotographsThereAreNoPictures) {
+  AddPhotograph(reconstruction_.artifacts, reconstruction_.photographs);  // but not to the store
+  ASSERT_TRUE(Analyze().ok());
+  StartRunner();
+  ASSERT_TRUE(WaitForReport().ok());
+  EXPECT_EQ(api_->Get("/reports/rec_0a1b2c/artifacts")->json["artifacts"].size(), 4u);
+  EXPECT_EQ(api_->Get("/reports/rec_0a1b2c/artifacts/contact_sheet.png").status().code(), "artifact_not_found");
+}
+
+TEST_F(AnalysisServiceTest, APhotographThatCannotBeReadCostsOnlyItsPictures) {
+  AddPhotograph(reconstruction_.artifacts, reconstruction_.photographs);
+  reconstruction_.photographs["00.png"] = "no picture";
+  ASSERT_TRUE(objects_->Put("no picture").ok());
+  ASSERT_TRUE(Analyze().ok());
+  StartRunner();
+  ASSERT_TRUE(WaitForReport().ok());
+  EXPECT_EQ(api_->Get("/reports/rec_0a1b2c/artifacts/defect_1_1.png").status().code(), "artifact_not_found");
 }
 
 TEST_F(AnalysisServiceTest, FinishedReportsNeedNoReconstructionService) {

@@ -93,15 +93,30 @@ Json StageSeconds(const Json& timings) {
   return seconds;
 }
 
-Status ReadCameras(std::string_view text, AnalysisInput& input) {
+Status ReadCameras(std::string_view text, FetchedReconstruction& fetched) {
   DRUPE_ASSIGN_OR_RETURN(const Json json, ParseJson(text, kCamerasLimits));
-  DRUPE_ASSIGN_OR_RETURN(const SparseModel model, ParseCameras(json));
-  input.scale_source = model.scale_source;
-  input.scale_relative_sigma = model.scale_relative_sigma;
-  for (const View& view : model.views) {
-    if (view.cam_from_world) input.camera_centres.push_back(view.cam_from_world->Centre());
+  DRUPE_ASSIGN_OR_RETURN(fetched.model, ParseCameras(json));
+  fetched.input.scale_source = fetched.model.scale_source;
+  fetched.input.scale_relative_sigma = fetched.model.scale_relative_sigma;
+  for (const View& view : fetched.model.views) {
+    if (view.cam_from_world) fetched.input.camera_centres.push_back(view.cam_from_world->Centre());
   }
   return Status::Ok();
+}
+
+/// By name, since the views are not all pictures of the set: damaged ones are left out.
+std::vector<std::string> PhotographsOf(const Json& provenance, const SparseModel& model) {
+  std::map<std::string, std::string> digests;
+  const Json* names = Find(provenance, "image_names", Json::value_t::array);
+  const Json* listed = Find(provenance, "image_sha256", Json::value_t::array);
+  if (names != nullptr && listed != nullptr && names->size() == listed->size()) {
+    for (std::size_t k = 0; k < names->size(); ++k) {
+      if ((*names)[k].is_string() && (*listed)[k].is_string()) digests[(*names)[k]] = (*listed)[k];
+    }
+  }
+  std::vector<std::string> photographs;
+  for (const View& view : model.views) photographs.push_back(digests[view.image]);
+  return photographs;
 }
 
 }  // namespace
@@ -118,7 +133,7 @@ Result<FetchedReconstruction> ReconstructionClient::Fetch(const std::string& id,
   const auto fetch = [&](const std::string& name) { return FetchArtifact(id, name, digests.at(name), context); };
   FetchedReconstruction fetched;
   DRUPE_ASSIGN_OR_RETURN(const std::string cameras, fetch("cameras.json"));
-  DRUPE_RETURN_IF_ERROR(ReadCameras(cameras, fetched.input));
+  DRUPE_RETURN_IF_ERROR(ReadCameras(cameras, fetched));
   DRUPE_ASSIGN_OR_RETURN(const std::string cloud, fetch("dense.ply"));
   DRUPE_ASSIGN_OR_RETURN(fetched.input.cloud, ReadPly(cloud));
   if (digests.contains("board.json")) {
@@ -129,6 +144,7 @@ Result<FetchedReconstruction> ReconstructionClient::Fetch(const std::string& id,
   fetched.quality = ObjectOf(reply.json, "quality");
   fetched.timings_s = StageSeconds(ObjectOf(reply.json, "timings"));
   fetched.provenance = ReadProvenance(reply.json);
+  fetched.photographs = PhotographsOf(ObjectOf(reply.json, "provenance"), fetched.model);
   return fetched;
 }
 

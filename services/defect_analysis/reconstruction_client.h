@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/json.h"
 #include "base/run_context.h"
@@ -8,6 +9,7 @@
 #include "defect_analysis/pipeline.h"
 #include "http/client.h"
 #include "scene/report.h"
+#include "scene/sparse_model.h"
 #include "store/object_store.h"
 
 namespace drupe {
@@ -15,6 +17,9 @@ namespace drupe {
 /// A finished reconstruction as the analysis needs it.
 struct FetchedReconstruction {
   AnalysisInput input;
+  SparseModel model;  ///< cameras and poses, without tracks
+  /// SHA-256 of the photograph of each view of `model`; "" where the service does not tell.
+  std::vector<std::string> photographs;
   Json quality = Json::object();
   Json timings_s = Json::object();  ///< stage name to wall seconds
   Provenance provenance;            ///< `options` holds those of the reconstruction

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <utility>
 
 namespace drupe {
 
 namespace {
 
 // grades: one digit a fruit, the number of its DefectClass, so that "%3%" finds reports with a crack.
+// artifacts: JSON with their digests, which is how the collection of garbage knows them.
 const Migrations& Schema() {
   static const Migrations kSchema = {R"sql(
     CREATE TABLE analyses (
@@ -26,7 +28,8 @@ const Migrations& Schema() {
       json_sha256 TEXT NOT NULL,
       csv_sha256 TEXT NOT NULL
     );
-  )sql"};
+  )sql",
+                                     "ALTER TABLE reports ADD COLUMN artifacts TEXT NOT NULL DEFAULT '[]'"};
   return kSchema;
 }
 
@@ -41,15 +44,18 @@ std::string GradeDigits(const std::vector<DefectClass>& grades) {
 }
 
 constexpr std::string_view kSelect =
-    "SELECT job, reconstruction, created_ms, grades, defects, json_sha256, csv_sha256, seq FROM reports ";
-constexpr int kSeqColumn = 7;
+    "SELECT job, reconstruction, created_ms, grades, defects, json_sha256, csv_sha256, artifacts, seq FROM "
+    "reports ";
+constexpr int kSeqColumn = 8;
 
-ReportEntry ReadEntry(const Statement& row) {
+Result<ReportEntry> ReadEntry(const Statement& row) {
   ReportEntry entry{.job = row.Text(0), .reconstruction = row.Text(1), .created_ms = row.Int(2)};
   for (const char digit : row.Text(3)) entry.grades.push_back(static_cast<DefectClass>(digit - '0'));
   entry.defects = static_cast<int>(row.Int(4));
   entry.json_sha256 = row.Text(5);
   entry.csv_sha256 = row.Text(6);
+  DRUPE_ASSIGN_OR_RETURN(const Json artifacts, ParseJson(row.Text(7)));
+  entry.artifacts = ParseArtifacts(artifacts);
   return entry;
 }
 
@@ -93,9 +99,10 @@ Status ReportIndex::Add(const ReportEntry& entry) {
     DRUPE_ASSIGN_OR_RETURN(
         const auto insert,
         database_->Prepare("INSERT INTO reports (job, reconstruction, created_ms, grades, defects, json_sha256, "
-                           "csv_sha256) VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (job) DO NOTHING"));
+                           "csv_sha256, artifacts) VALUES (?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (job) DO NOTHING"));
     insert->Bind(entry.job).Bind(entry.reconstruction).Bind(entry.created_ms).Bind(GradeDigits(entry.grades));
-    return insert->Bind(entry.defects).Bind(entry.json_sha256).Bind(entry.csv_sha256).Run();
+    insert->Bind(entry.defects).Bind(entry.json_sha256).Bind(entry.csv_sha256);
+    return insert->Bind(DumpJson(ToJson(entry.artifacts))).Run();
   });
 }
 
@@ -104,7 +111,8 @@ Result<std::optional<ReportEntry>> ReportIndex::FindByJob(std::string_view job) 
   DRUPE_RETURN_IF_ERROR(database_->Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(const auto query, database_->Prepare(std::string(kSelect) + "WHERE job = ?"));
     DRUPE_ASSIGN_OR_RETURN(const bool found, query->Bind(job).Step());
-    if (found) entry = ReadEntry(*query);
+    if (!found) return Status::Ok();
+    DRUPE_ASSIGN_OR_RETURN(entry, ReadEntry(*query));
     return Status::Ok();
   }));
   return entry;
@@ -128,7 +136,8 @@ Result<ReportPage> ReportIndex::List(const ReportQuery& query) {
         page.next_cursor = std::to_string(last_seq);
         return Status::Ok();
       }
-      page.reports.push_back(ReadEntry(*select));
+      DRUPE_ASSIGN_OR_RETURN(ReportEntry entry, ReadEntry(*select));
+      page.reports.push_back(std::move(entry));
       last_seq = select->Int(kSeqColumn);
     }
   }));

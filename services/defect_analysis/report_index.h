@@ -9,6 +9,7 @@
 #include "base/status.h"
 #include "jobs/sql/database.h"
 #include "scene/report.h"
+#include "service/artifacts.h"
 
 namespace drupe {
 
@@ -21,6 +22,7 @@ struct ReportEntry {
   int defects = 0;                       ///< of all fruits
   std::string json_sha256 = "";          ///< the object that holds the report as JSON
   std::string csv_sha256 = "";           ///< and as CSV
+  std::vector<Artifact> artifacts = {};  ///< these two and all other files; none in reports of older versions
 
   bool operator==(const ReportEntry&) const = default;
 };

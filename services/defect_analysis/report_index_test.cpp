@@ -34,6 +34,7 @@ class ReportIndexTest : public testing::Test {
     entry.defects = n;
     entry.json_sha256 = "j" + std::to_string(n);
     entry.csv_sha256 = "c" + std::to_string(n);
+    entry.artifacts = {{"report.csv", entry.csv_sha256, 7}};
     EXPECT_TRUE(index_->SetCurrentJob(entry.reconstruction, entry.job).ok());
     EXPECT_TRUE(index_->Add(entry).ok());
     return entry;

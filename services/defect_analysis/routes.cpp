@@ -15,7 +15,7 @@ constexpr int kMaxPage = 1000;
 
 Json LinksOf(const std::string& reconstruction, const std::string& public_url) {
   const std::string report = public_url + "/reports/" + reconstruction;
-  return {{"report", report}, {"csv", report + ".csv"}};
+  return {{"report", report}, {"csv", report + ".csv"}, {"artifacts", report + "/artifacts"}};
 }
 
 /// An analysis that is not ready.
@@ -119,6 +119,17 @@ class AnalysisRoutes {
     return Status::Ok();
   }
 
+  Status ListArtifacts(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const AnalysisState state, service_.Find(request.Capture("id")));
+    response.SetJson({{"artifacts", ToJson(ArtifactsOf(state))}});
+    return Status::Ok();
+  }
+
+  Status GetArtifact(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const AnalysisState state, service_.Find(request.Capture("id")));
+    return service_.SendArtifact(request, state, response);
+  }
+
   Status ListReports(const Request& request, Response& response) const {
     DRUPE_ASSIGN_OR_RETURN(const ReportQuery query, ParseReportQuery(request));
     DRUPE_ASSIGN_OR_RETURN(const ReportPage page, service_.List(query));
@@ -160,6 +171,14 @@ void AddAnalysisRoutes(AnalysisService& service, const std::string& public_url, 
              }));
   router.Add("GET", "/reports/{id:rec}", without_body, Answering([routes](const Request& request, Response& response) {
                return routes->GetReport(request, response, ReportFormat::kJson);
+             }));
+  router.Add("GET", "/reports/{id:rec}/artifacts", without_body,
+             Answering([routes](const Request& request, Response& response) {
+               return routes->ListArtifacts(request, response);
+             }));
+  router.Add("GET", "/reports/{id:rec}/artifacts/{name}", without_body,
+             Answering([routes](const Request& request, Response& response) {
+               return routes->GetArtifact(request, response);
              }));
 }
 

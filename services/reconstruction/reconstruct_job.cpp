@@ -10,6 +10,7 @@
 #include "reconstruction/pipeline.h"
 #include "reconstruction/reconstruct_input.h"
 #include "reconstruction/reconstruct_request.h"
+#include "service/artifacts.h"
 
 namespace drupe {
 
@@ -19,15 +20,6 @@ constexpr int kAnnounceAttempts = 100;   ///< with pauses of up to a minute
 constexpr int kAnnouncePriority = 10;    ///< before reconstructions, since it takes no time
 constexpr int kWaitForCompletion = 100;  ///< looks at a job that is about to be recorded as succeeded
 constexpr std::chrono::milliseconds kLook{50};
-
-Result<Json> StoreArtifacts(const std::map<std::string, std::string>& artifacts, ObjectStore& objects) {
-  Json list = Json::array();
-  for (const auto& [name, bytes] : artifacts) {
-    DRUPE_ASSIGN_OR_RETURN(const ObjectInfo object, objects.Put(bytes));
-    list.push_back({{"name", name}, {"sha256", object.sha256}, {"bytes", object.bytes}});
-  }
-  return list;
-}
 
 /// Everything that is to be kept of a reconstruction; the board is among it, because the analysis needs it.
 Result<std::map<std::string, std::string>> CollectArtifacts(const ReconstructionOutput& output,
@@ -74,7 +66,7 @@ Result<Json> ReconstructJob::operator()(const Job& job, const RunContext& contex
                          RunReconstruction(MakeInput(request, objects_, cache_, limits_), options, context));
   using Artifacts = std::map<std::string, std::string>;
   DRUPE_ASSIGN_OR_RETURN(const Artifacts artifacts, CollectArtifacts(output, request));
-  DRUPE_ASSIGN_OR_RETURN(const Json stored, StoreArtifacts(artifacts, objects_));
+  DRUPE_ASSIGN_OR_RETURN(const std::vector<Artifact> stored, StoreArtifacts(artifacts, objects_));
   DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
   DRUPE_RETURN_IF_ERROR(LeaveAnnouncement(job, request, jobs_));
   Log(LogLevel::kInfo, "reconstructed",
@@ -82,7 +74,7 @@ Result<Json> ReconstructJob::operator()(const Job& job, const RunContext& contex
        {"registered", output.model.RegisteredCount()},
        {"points", output.cloud.size()},
        {"wall_s", output.timings.total_wall_s}});
-  return Json{{"artifacts", stored},
+  return Json{{"artifacts", ToJson(stored)},
               {"quality", QualityJson(output)},
               {"timings", ToJson(output.timings)},
               {"options", ToJson(options)},

@@ -18,7 +18,7 @@ inline constexpr const char* kReconstructKind = "reconstruct";
 inline constexpr const char* kAnnounceKind = "announce";
 
 /// The job behind a reconstruction: reads the pictures from the store, reconstructs, stores the artifacts, and leaves a
-/// job that tells the analysis service. Its result is {"artifacts": [{"name", "sha256", "bytes"}], "quality",
+/// job that tells the analysis service. Its result is {"artifacts": [{"name", "sha256", "bytes", "type"}], "quality",
 /// "timings", "refused_images"}.
 class ReconstructJob {
  public:

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/version.h"
+#include "service/artifacts.h"
 
 namespace drupe {
 
@@ -40,9 +41,13 @@ Json RefusedJson(const Job& job) {
 
 /// What the report needs to say where its numbers come from.
 Json ProvenanceJson(const Job& job) {
-  Json digests = Json::array();
-  for (const Json& image : job.payload.value("images", Json::array())) digests.push_back(image.value("sha256", ""));
+  Json names = Json::array(), digests = Json::array();
+  for (const Json& image : job.payload.value("images", Json::array())) {
+    names.push_back(image.value("name", ""));
+    digests.push_back(image.value("sha256", ""));
+  }
   return {{"image_set", job.payload.value("image_set", "")},
+          {"image_names", std::move(names)},
           {"image_sha256", std::move(digests)},
           {"calibration", job.payload.value("calibration", Json())},
           {"options", job.result ? job.result->value("options", Json()) : job.payload.value("options", Json())},
@@ -72,7 +77,7 @@ Json StatusJson(const Job& job, const LinkBase& base) {
   const Json result = job.result.value_or(Json::object());
   status["quality"] = result.value("quality", Json());
   status["timings"] = result.value("timings", Json());
-  status["artifacts"] = result.value("artifacts", Json::array());
+  status["artifacts"] = ToJson(ParseArtifacts(result.value("artifacts", Json::array())));
   status["provenance"] = ProvenanceJson(job);
   return status;
 }

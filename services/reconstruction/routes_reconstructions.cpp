@@ -1,37 +1,19 @@
 #include <algorithm>
-#include <memory>
 #include <optional>
+#include <vector>
 
-#include "http/content.h"
 #include "http/request.h"
 #include "http/response.h"
 #include "reconstruction/reconstruct_job.h"
 #include "reconstruction/reconstruct_request.h"
 #include "reconstruction/routes.h"
+#include "service/artifacts.h"
 
 namespace drupe {
 
 namespace {
 
 constexpr std::size_t kMaxKeyBytes = 200;
-
-class ObjectSource : public ByteSource {
- public:
-  explicit ObjectSource(std::unique_ptr<ObjectReader> reader) : reader_(std::move(reader)) {}
-  std::uint64_t size() const override { return reader_->size(); }
-  Result<std::size_t> ReadAt(std::uint64_t offset, std::span<char> buffer) override {
-    return reader_->ReadAt(offset, std::as_writable_bytes(buffer));
-  }
-
- private:
-  std::unique_ptr<ObjectReader> reader_;
-};
-
-const char* MediaTypeOf(const std::string& name) {
-  if (name.ends_with(".json")) return "application/json";
-  if (name.ends_with(".zip")) return "application/zip";
-  return "application/octet-stream";
-}
 
 Result<std::string> ReadIdempotencyKey(const Request& request) {
   const std::string key(request.Header("Idempotency-Key"));
@@ -133,32 +115,21 @@ void Events(const RouteContext& context, const Request& request, Response& respo
   response.SetEvents(StatusEvents(context, job->id));
 }
 
-/// The digest of an artifact. Errors: 404 `job_not_found`, `artifact_not_found`.
-Result<std::string> FindArtifact(const RouteContext& context, const std::string& id, const std::string& name) {
-  DRUPE_ASSIGN_OR_RETURN(const Job job, context.jobs.Get(id));
-  if (job.result) {
-    for (const Json& artifact : job.result->value("artifacts", Json::array())) {
-      if (artifact.value("name", "") == name) return artifact.value("sha256", "");
-    }
-  }
-  const std::string why =
-      job.state == JobState::kSucceeded ? "" : "; the job is " + std::string(JobStateName(job.state));
-  return NotFound("artifact_not_found", "there is no artifact " + name + why);
+std::vector<Artifact> ArtifactsOf(const Job& job) {
+  return job.result ? ParseArtifacts(job.result->value("artifacts", Json::array())) : std::vector<Artifact>();
 }
 
 void GetArtifact(const RouteContext& context, const Request& request, Response& response) {
-  const std::string& name = request.Capture("name");
-  const Result<std::string> sha256 = FindArtifact(context, request.Capture("id"), name);
-  if (!sha256.ok()) return response.SetError(sha256.status());
-  Result<std::unique_ptr<ObjectReader>> reader = context.objects.OpenObject(*sha256);
-  if (!reader.ok()) return response.SetError(reader.status());
-  SendContent(request, std::make_shared<ObjectSource>(std::move(*reader)), MediaTypeOf(name), *sha256, response);
+  const Result<Job> job = context.jobs.Get(request.Capture("id"));
+  if (!job.ok()) return response.SetError(job.status());
+  const Status sent = SendArtifact(request, *job, ArtifactsOf(*job), context.objects, response);
+  if (!sent.ok()) response.SetError(sent);
 }
 
 void ListArtifacts(const RouteContext& context, const Request& request, Response& response) {
   const Result<Job> job = context.jobs.Get(request.Capture("id"));
   if (!job.ok()) return response.SetError(job.status());
-  response.SetJson({{"artifacts", StatusJson(*job, context.links).at("artifacts")}});
+  response.SetJson({{"artifacts", ToJson(ArtifactsOf(*job))}});
 }
 
 }  // namespace

@@ -188,9 +188,9 @@ class Service:
 
 
 class System:
-    """The three services, wired to one another."""
+    """The three services, wired to one another, each with a data directory of its own unless they share one."""
 
-    def __init__(self, reconstruction_arguments=()):
+    def __init__(self, reconstruction_arguments=(), shared_data=False):
         self.directory = pathlib.Path(tempfile.mkdtemp(prefix="drupe-test-"))
         ports = [free_port() for _ in range(3)]
         urls = [f"http://127.0.0.1:{port}" for port in ports]
@@ -199,6 +199,9 @@ class System:
                                       ["--analysis-url", urls[2], *reconstruction_arguments])
         self.analysis = Service("analysis", self.directory, ports[2], ["--reconstruction-url", urls[1]])
         self.services = [self.capture, self.analysis, self.reconstruction]
+        if shared_data:
+            for service in self.services:
+                service.data = self.directory / "data"
 
     def start(self, *names):
         for service in self.services:
@@ -251,10 +254,11 @@ class DrupeTest(unittest.TestCase):
 
     services = ()
     reconstruction_arguments = ()
+    shared_data = False
 
     @classmethod
     def setUpClass(cls):
-        cls.system = System(cls.reconstruction_arguments)
+        cls.system = System(cls.reconstruction_arguments, cls.shared_data)
         cls.addClassCleanup(cls.system.close)
         cls.system.start(*cls.services)
 

@@ -13,6 +13,8 @@ ARTIFACTS = ("cameras.json", "sparse.ply", "dense.ply", "preview.ply", "colmap.z
 
 
 class HappyPathTest(DrupeTest):
+    shared_data = True  # as deploy/up starts them; the pictures of defects need the photographs
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -62,6 +64,20 @@ class HappyPathTest(DrupeTest):
             reply = self.system.reconstruction.get(f"/reconstructions/{self.id}/artifacts/{name}")
             self.assertEqual(reply.status, 200, (name, reply))
             self.assertGreater(len(reply.body), 100, name)
+
+    def test_report_has_its_pictures_and_clouds(self):
+        folder = f"/reports/{self.id}/artifacts"
+        names = {artifact["name"] for artifact in self.system.analysis.get(folder).json()["artifacts"]}
+        pictures = {f"defect_{fruit['id']}_{defect['id']}.png"
+                    for fruit in self.report["fruits"] for defect in fruit["defects"]}
+        self.assertGreater(len(pictures & names), len(pictures) / 2, names)  # some may have no view that shows them whole
+        for name in {"contact_sheet.png"} | pictures & names:
+            picture = self.system.analysis.get(f"{folder}/{name}")
+            self.assertEqual(picture.headers["content-type"], "image/png")
+            self.assertTrue(picture.body.startswith(b"\x89PNG\r\n\x1a\n"), name)
+        self.assertTrue(self.system.analysis.get(f"{folder}/defects.ply").body.startswith(b"ply\nformat binary_little_endian"))
+        samples = self.system.analysis.get(f"{folder}/observations.json").json()["observations"]
+        self.assertEqual(len(samples), 1 + len(pictures))
 
     def test_result_is_accurate(self):
         artifacts = f"/reconstructions/{self.id}/artifacts"

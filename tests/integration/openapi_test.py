@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """api/openapi.yaml against the sources and against live replies of every route."""
+import hashlib
 import json
 import unittest
 
@@ -9,10 +10,13 @@ import pictures
 from drupe import ENDED, QUICK_OPTIONS, SAMPLE, DrupeTest, multipart, sample_images, sample_parts, wait_for
 
 UNKNOWN = "a" * 20
+REPORT_FILES = ("report.json", "report.csv", "observations.json", "defects.ply")
 
 
 class OpenApiTest(DrupeTest):
     """Talks to the services through `call`, which checks each reply against the contract and notes what it has seen."""
+
+    shared_data = True  # so that there are pictures of defects too
 
     @classmethod
     def setUpClass(cls):
@@ -86,9 +90,27 @@ class OpenApiTest(DrupeTest):
         report = self.call("analysis", "GET", f"/reports/{job}", expect=200)
         self.call("analysis", "GET", f"/reports/{job}", headers={"If-None-Match": report.headers["etag"]}, expect=304)
         self.call("analysis", "GET", f"/reports/{job}.csv", expect=200)
+        self.check_report_artifacts(job)
         self.call("analysis", "GET", "/reports?limit=1", expect=200)
         self.call("analysis", "GET", "/reports?limit=0", expect=400)
         self.call("analysis", "POST", "/analyze", {"reconstruction": job, "options": {}}, expect=202)
+
+    def check_report_artifacts(self, job):
+        folder = f"/reports/{job}/artifacts"
+        listed = self.call("analysis", "GET", folder, expect=200).json()["artifacts"]
+        names = {artifact["name"] for artifact in listed}
+        self.assertLessEqual({*REPORT_FILES, "contact_sheet.png"}, names)
+        for artifact in listed:
+            reply = self.call("analysis", "GET", f"{folder}/{artifact['name']}", expect=200)
+            self.assertEqual(hashlib.sha256(reply.body).hexdigest(), artifact["sha256"], artifact)
+            self.assertEqual((len(reply.body), reply.headers["content-type"]), (artifact["bytes"], artifact["type"]))
+        cloud, tag = f"{folder}/defects.ply", next(a["sha256"] for a in listed if a["name"] == "defects.ply")
+        self.call("analysis", "GET", cloud, headers={"If-None-Match": f'"{tag}"'}, expect=304)
+        self.assertEqual(self.call("analysis", "GET", cloud, headers={"Range": "bytes=0-2"}, expect=206).body, b"ply")
+        self.call("analysis", "GET", cloud, headers={"Range": "bytes=99999999999-"}, expect=416)
+        self.call("analysis", "GET", f"{folder}/none.ply", expect=404)
+        self.call("analysis", "GET", f"/reports/rec_{UNKNOWN}/artifacts", expect=404)
+        self.call("analysis", "GET", f"/reports/rec_{UNKNOWN}/artifacts/defects.ply", expect=404)
 
     def test_3_image_sets(self):
         set_id = self.call("reconstruction", "POST", "/image-sets", {}, expect=201).json()["id"]

@@ -76,7 +76,7 @@ RgbImage DrawTile(const RgbImage& photograph, const std::vector<Eigen::Vector2d>
   return tile;
 }
 
-RgbImage Sheet(const std::vector<RgbImage>& tiles) {
+RgbImage Sheet(const std::vector<RgbImage>& tiles, bool intact) {
   const int count = static_cast<int>(tiles.size());
   const int columns = std::clamp(count, 1, kColumns), rows = std::max(1, (count + kColumns - 1) / kColumns);
   const int across = kTile + kMargin, down = kTile + kCaption + kMargin;
@@ -84,7 +84,7 @@ RgbImage Sheet(const std::vector<RgbImage>& tiles) {
   for (int k = 0; k < count; ++k) {
     Paste(tiles[static_cast<std::size_t>(k)], kMargin + k % kColumns * across, kMargin + k / kColumns * down, sheet);
   }
-  if (count == 0) DrawText("no defects", kMargin, kMargin, 2, kInk, sheet);
+  if (count == 0) DrawText(intact ? "no defects" : "no pictures", kMargin, kMargin, 2, kInk, sheet);
   return sheet;
 }
 
@@ -157,7 +157,8 @@ Result<DefectPictures> DrawDefects(const std::vector<Fruit>& fruits, const Spars
     DRUPE_ASSIGN_OR_RETURN(pictures.files[name], EncodePng(tiles[k]));
     drawn.push_back(std::move(tiles[k]));
   }
-  DRUPE_ASSIGN_OR_RETURN(pictures.files["contact_sheet.png"], EncodePng(Sheet(drawn)));
+  const bool intact = std::ranges::all_of(fruits, [](const Fruit& fruit) { return fruit.defects.empty(); });
+  DRUPE_ASSIGN_OR_RETURN(pictures.files["contact_sheet.png"], EncodePng(Sheet(drawn, intact)));
   return pictures;
 }
 

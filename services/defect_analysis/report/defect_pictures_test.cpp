@@ -89,6 +89,10 @@ TEST(DrawDefects, LeavesOutWhatNoPhotographShows) {
   const auto pictures = DrawDefects(Fruits(), Model(), missing);
   ASSERT_TRUE(pictures.ok());
   EXPECT_EQ(pictures->files.size(), 1u);  // the sheet alone
+  std::vector<Fruit> intact = Fruits();
+  intact[0].defects.clear();
+  const auto sheet = DrawDefects(intact, Model(), missing)->files.at("contact_sheet.png");
+  EXPECT_NE(sheet, pictures->files.at("contact_sheet.png")) << "which must not say that there are no defects";
 }
 
 }  // namespace
