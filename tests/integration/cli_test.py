@@ -39,6 +39,36 @@ class CliTest(unittest.TestCase):
         self.assertIn("dense", run.stderr, "stages are shown")
         self.assertNotIn("\x1b", run.stderr, "without a terminal, plain lines")
 
+    def corrected_report(self, name, scale):
+        """A report with three rain spots and two cracks, as a person has left it."""
+        def defect(kind, length, width, roundness, lightness):
+            return {"class": kind, "area_mm2": 0.785 * length * width, "length_mm": length, "width_mm": width,
+                    "roundness": roundness, "depth_mm": 0.01, "lab_change": [lightness, 15, -20]}
+
+        spots = [defect("rain_spot", size * scale, size * scale, 0.99, -15) for size in (1, 2, 3)]
+        cracks = [defect("crack", size * scale, 0.5 * scale, 0.1, -25) for size in (8, 11)]
+        file = self.directory / name
+        file.write_text(json.dumps({"unit": "mm", "fruits": [{"defects": spots + cracks}]}))
+        return file
+
+    def test_train_a_classifier_from_corrected_reports(self):
+        model, out = self.directory / "classes.json", self.directory / "out"
+        reports = [self.corrected_report("a.json", 1), self.corrected_report("b.json", 1.2)]
+        run = self.drupe("classifier", "train", *reports, "--name", "mine", "--out", model)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("Each report by a model of the others: 10 of 10 right", run.stdout)
+        self.assertIn("log_elongation", self.drupe("classifier", "show", model).stdout)
+        cloud = self.directory / "labelled.ply"
+        cloud.write_bytes(pictures.labelled_ply())
+        run = self.drupe("analyze", cloud, "--class-model", model, "--out", out)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        report = json.loads((out / "report.json").read_text())
+        self.assertEqual(report["provenance"]["options"]["class"]["model"]["name"], "mine")
+        reports[0].write_text(reports[0].read_text().replace("crack", "bruise"))
+        run = self.drupe("classifier", "train", *reports, "--out", model)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("fruits[0].defects[3].class", run.stderr)
+
     def test_train_a_model_and_analyse_a_cloud_with_it(self):
         cloud, model, out = (self.directory / name for name in ("labelled.ply", "model.json", "out"))
         cloud.write_bytes(pictures.labelled_ply())

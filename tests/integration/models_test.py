@@ -24,6 +24,17 @@ def picture(width=40):
     return [("image", "a.png", image), ("mask", "a_mask.png", mask)]
 
 
+def classifier(weight):
+    """The file of a classifier of defects: the longer, the more of a scar."""
+    names = ("log_area", "log_elongation", "roundness", "width_mm", "depth_mm", "change_l", "change_a", "change_b")
+    table = [[0, 0], [0, 0]]
+    return {"format": "drupe-class-model", "version": 1, "name": "long", "ridge": 1, "reports": 2,
+            "features": [{"name": name, "mean": 0, "scale": 1} for name in names],
+            "classes": [{"class": "rain_spot", "bias": 0, "weights": [0] * 8},
+                        {"class": "scar", "bias": -1, "weights": [0, weight] + [0] * 6}],
+            "confusion": {"training": table, "left_out": table}}
+
+
 class ModelsTest(DrupeTest):
     services = ("reconstruction", "analysis")
 
@@ -108,6 +119,13 @@ class ModelsTest(DrupeTest):
             if status == 202:
                 report = self.system.wait_for_report(job)
                 self.assertEqual(report["provenance"]["options"]["analysis"]["background"]["model"], name)
+        for model, status in [(classifier(1), 202), ("rules", 202), (classifier(1e30), 400), ("svm", 400)]:
+            reply = self.system.analysis.post_json(
+                "/analyze", {"reconstruction": job, "options": {"class": {"model": model}}})
+            self.assertEqual(reply.status, status, reply)
+            if status == 202:
+                used = self.system.wait_for_report(job)["provenance"]["options"]["analysis"]["class"]["model"]
+                self.assertEqual(used if model == "rules" else used["name"], "rules" if model == "rules" else "long")
 
 
 if __name__ == "__main__":
