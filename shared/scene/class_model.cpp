@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/ids.h"
+#include "scene/model_file.h"
 
 namespace drupe {
 namespace {
+
+using model_file::At;
+using model_file::Invalid;
+using model_file::ReadName;
+using model_file::ReadNumber;
 
 constexpr const char* kFormat = "drupe-class-model";
 constexpr double kLeast = 1e-6;     // of what a logarithm is taken of
@@ -15,22 +20,6 @@ constexpr double kLeastScale = 1e-4;
 constexpr double kMaxCount = 1e9;
 constexpr DefectClass kClasses[] = {DefectClass::kRainSpot, DefectClass::kScar, DefectClass::kCrack,
                                     DefectClass::kDecay};
-
-Status Invalid(const std::string& field, const std::string& what) {
-  return InvalidArgument("invalid_model", "the model's " + field + " " + what, field);
-}
-
-const Json& At(const Json& json, const char* key) {
-  static const Json kNull;
-  const auto found = json.is_object() ? json.find(key) : json.end();
-  return json.is_object() && found != json.end() ? *found : kNull;
-}
-
-Result<double> ReadNumber(const Json& json, const std::string& field, double low, double high) {
-  const double value = json.is_number() ? json.get<double>() : NAN;
-  if (value >= low && value <= high) return value;
-  return Invalid(field, "must be a number from " + std::to_string(low) + " to " + std::to_string(high));
-}
 
 Status ReadFeatures(const Json& json, ClassModel& model) {
   if (!json.is_array() || json.size() != kClassFeatures) {
@@ -93,13 +82,7 @@ Result<ClassConfusion> ReadConfusion(const Json& json, std::size_t classes, cons
 }
 
 Status ReadHead(const Json& json, ClassModel& model) {
-  if (At(json, "format") != kFormat) return Invalid("format", std::string("must be ") + kFormat);
-  if (At(json, "version") != ClassModel::kVersion) return Invalid("version", "must be 1");
-  const Json& name = At(json, "name");
-  if (!name.is_string() || !CheckImageName(name.get<std::string>()).ok()) {
-    return Invalid("name", "must be 1 to 128 characters of [A-Za-z0-9._-], not starting with a dot");
-  }
-  model.name = name.get<std::string>();
+  DRUPE_ASSIGN_OR_RETURN(model.name, ReadName(json, kFormat, ClassModel::kVersion));
   DRUPE_ASSIGN_OR_RETURN(model.ridge, ReadNumber(At(json, "ridge"), "ridge", 0, kMaxNumber));
   DRUPE_ASSIGN_OR_RETURN(const double reports, ReadNumber(At(json, "reports"), "reports", 0, kMaxCount));
   model.reports = static_cast<std::int64_t>(reports);

@@ -2,31 +2,20 @@
 
 #include <cmath>
 
-#include "base/ids.h"
+#include "scene/model_file.h"
 
 namespace drupe {
 namespace {
+
+using model_file::At;
+using model_file::Invalid;
+using model_file::ReadName;
+using model_file::ReadNumber;
 
 constexpr const char* kFormat = "drupe-colour-model";
 constexpr double kMaxPlace = 1e4;   // of a normalised colour or a normalisation
 constexpr double kMaxWeight = 1e6;  // of a support vector or the bias
 constexpr double kMaxGamma = 1e4;
-
-Status Invalid(const std::string& field, const std::string& what) {
-  return InvalidArgument("invalid_model", "the model's " + field + " " + what, field);
-}
-
-const Json& At(const Json& json, const char* key) {
-  static const Json kNull;
-  const auto found = json.is_object() ? json.find(key) : json.end();
-  return json.is_object() && found != json.end() ? *found : kNull;
-}
-
-Result<double> ReadNumber(const Json& json, const std::string& field, double low, double high) {
-  const double value = json.is_number() ? json.get<double>() : NAN;
-  if (value >= low && value <= high) return value;
-  return Invalid(field, "must be a number from " + std::to_string(low) + " to " + std::to_string(high));
-}
 
 Result<Eigen::Vector3f> ReadVector(const Json& json, const std::string& field, double low, double high) {
   if (!json.is_array() || json.size() < 3) return Invalid(field, "must be three numbers");
@@ -68,14 +57,8 @@ Result<ConfusionTable> ReadConfusion(const Json& json, const std::string& field)
 }
 
 Status ReadHead(const Json& json, ColourModel& model) {
-  if (At(json, "format") != kFormat) return Invalid("format", std::string("must be ") + kFormat);
-  if (At(json, "version") != ColourModel::kVersion) return Invalid("version", "must be 1");
+  DRUPE_ASSIGN_OR_RETURN(model.name, ReadName(json, kFormat, ColourModel::kVersion));
   if (At(json, "kernel") != "rbf") return Invalid("kernel", "must be rbf");
-  const Json& name = At(json, "name");
-  if (!name.is_string() || !CheckImageName(name.get<std::string>()).ok()) {
-    return Invalid("name", "must be 1 to 128 characters of [A-Za-z0-9._-], not starting with a dot");
-  }
-  model.name = name.get<std::string>();
   const Json& space = At(json, "colour_space");
   if (space != "lab" && space != "rgb") return Invalid("colour_space", "must be lab or rgb");
   model.space = space == "lab" ? ColourSpace::kLab : ColourSpace::kRgb;
