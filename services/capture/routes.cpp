@@ -5,10 +5,10 @@
 #include "base/digest.h"
 #include "capture/calibration_job.h"
 #include "capture/calibration_request.h"
-#include "capture/job_json.h"
 #include "http/content.h"
 #include "http/request.h"
 #include "http/response.h"
+#include "service/job_json.h"
 
 namespace drupe {
 namespace {

@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "capture/calibration_job.h"
-#include "capture/job_json.h"
 #include "capture/scan_job.h"
 #include "capture/scan_request.h"
 #include "http/content.h"
 #include "http/request.h"
 #include "http/response.h"
+#include "service/job_json.h"
 
 namespace drupe {
 namespace {

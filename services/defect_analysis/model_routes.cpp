@@ -1,45 +1,21 @@
 #include "defect_analysis/model_routes.h"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
-#include "base/clock.h"
 #include "defect_analysis/models/default_model.h"
 #include "http/content.h"
+#include "service/job_json.h"
 
 namespace drupe {
 namespace {
-
-constexpr std::size_t kMaxKeyBytes = 200;
-
-Json TimeOrNull(std::int64_t unix_ms) {
-  return unix_ms == 0 ? Json() : Json(FormatUtc(unix_ms));
-}
-
-/// A failed attempt that is retried is no error of the job yet.
-Json ErrorOrNull(const Job& job) {
-  if (!job.error || job.state != JobState::kFailed) return nullptr;
-  Json error = {{"code", job.error->code}, {"message", job.error->message}};
-  if (!job.error->field.empty()) error["field"] = job.error->field;
-  return error;
-}
-
-Result<std::string> IdempotencyKeyOf(const Request& request) {
-  const std::string key(request.Header("Idempotency-Key"));
-  if (request.headers.count("Idempotency-Key") == 0) return key;
-  const bool printable = std::all_of(key.begin(), key.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
-  if (printable && !key.empty() && key.size() <= kMaxKeyBytes) return key;
-  return InvalidArgument("invalid_idempotency_key", "Idempotency-Key must be 1 to 200 printable characters",
-                         "Idempotency-Key");
-}
 
 class ModelRoutes {
  public:
   explicit ModelRoutes(const ModelContext& context) : context_(context) {}
 
   Status Train(const Request& request, Response& response) const {
-    DRUPE_ASSIGN_OR_RETURN(const std::string key, IdempotencyKeyOf(request));
+    DRUPE_ASSIGN_OR_RETURN(const std::string key, ReadIdempotencyKey(request));
     DRUPE_ASSIGN_OR_RETURN(const ModelRequest asked, ReadModelForm(request, context_.objects, context_.limits));
     DRUPE_ASSIGN_OR_RETURN(const Job job, context_.models.Train(asked, key));
     response.SetJson(ModelJson(job), 202);
@@ -88,9 +64,9 @@ class ModelRoutes {
             {"status", JobStateName(job.state)},
             {"stage", job.stage},
             {"progress", job.progress},
-            {"created_at", TimeOrNull(job.created_ms)},
-            {"finished_at", TimeOrNull(job.finished_ms)},
-            {"error", ErrorOrNull(job)},
+            {"created_at", TimeJson(job.created_ms)},
+            {"finished_at", TimeJson(job.finished_ms)},
+            {"error", JobErrorJson(job)},
             {"options", job.payload.value("options", Json::object())},
             {"clouds", job.payload.value("clouds", Json::array()).size()},
             {"images", job.payload.value("pictures", Json::array()).size()},

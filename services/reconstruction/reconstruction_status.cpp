@@ -2,25 +2,13 @@
 
 #include <utility>
 
-#include "base/clock.h"
 #include "base/version.h"
 #include "service/artifacts.h"
+#include "service/job_json.h"
 
 namespace drupe {
 
 namespace {
-
-Json TimeOrNull(std::int64_t unix_ms) {
-  return unix_ms == 0 ? Json() : Json(FormatUtc(unix_ms));
-}
-
-Json ErrorJson(const Job& job) {
-  // A failed attempt that is retried is no error of the job yet.
-  if (!job.error || job.state != JobState::kFailed) return nullptr;
-  Json error = {{"code", job.error->code}, {"message", job.error->message}};
-  if (!job.error->field.empty()) error["field"] = job.error->field;
-  return error;
-}
 
 Json LinksJson(const Job& job, const LinkBase& base) {
   const std::string self = base.self + "/reconstructions/" + job.id;
@@ -62,10 +50,10 @@ Json SummaryJson(const Job& job, const LinkBase& base) {
           {"stage", job.stage},
           {"progress", job.progress},
           {"attempt", job.attempt},
-          {"created_at", TimeOrNull(job.created_ms)},
-          {"started_at", TimeOrNull(job.started_ms)},
-          {"finished_at", TimeOrNull(job.finished_ms)},
-          {"error", ErrorJson(job)},
+          {"created_at", TimeJson(job.created_ms)},
+          {"started_at", TimeJson(job.started_ms)},
+          {"finished_at", TimeJson(job.finished_ms)},
+          {"error", JobErrorJson(job)},
           {"image_set", job.payload.value("image_set", "")},
           {"images", job.payload.value("images", Json::array()).size()},
           {"refused_images", RefusedJson(job)},

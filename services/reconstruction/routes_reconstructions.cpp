@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -8,22 +7,11 @@
 #include "reconstruction/reconstruct_request.h"
 #include "reconstruction/routes.h"
 #include "service/artifacts.h"
+#include "service/job_json.h"
 
 namespace drupe {
 
 namespace {
-
-constexpr std::size_t kMaxKeyBytes = 200;
-
-Result<std::string> ReadIdempotencyKey(const Request& request) {
-  const std::string key(request.Header("Idempotency-Key"));
-  const bool given = request.headers.count("Idempotency-Key") > 0;
-  const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
-  if (!given || (!key.empty() && key.size() <= kMaxKeyBytes && visible)) return key;
-  return InvalidArgument("invalid_idempotency_key",
-                         "Idempotency-Key must be 1 to " + std::to_string(kMaxKeyBytes) + " printable characters",
-                         "Idempotency-Key");
-}
 
 Result<ReconstructRequest> ReadRequest(const RouteContext& context, const Request& request) {
   if (request.HasMediaType("multipart/form-data")) {

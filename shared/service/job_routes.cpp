@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "base/clock.h"
+#include "service/job_json.h"
 
 namespace drupe {
 
@@ -11,16 +12,12 @@ namespace {
 constexpr int kPage = 100;
 constexpr int kMaxPage = 1000;
 
-Json TimeJson(std::int64_t at_ms) {
-  return at_ms == 0 ? Json(nullptr) : Json(FormatUtc(at_ms));
-}
-
 Json ErrorJson(const std::optional<JobError>& error) {
   if (!error) return nullptr;
   return {{"code", error->code}, {"message", error->message}};
 }
 
-Json JobJson(const Job& job) {
+Json OperatorJobJson(const Job& job) {
   return {{"id", job.id},
           {"kind", job.kind},
           {"subject", job.subject},
@@ -60,21 +57,21 @@ Result<Json> List(JobStore& jobs, const Request& request) {
   DRUPE_ASSIGN_OR_RETURN(const JobPage page,
                          jobs.List(filter, static_cast<int>(limit), request.Query("cursor").value_or("")));
   Json list = Json::array();
-  for (const Job& job : page.jobs) list.push_back(JobJson(job));
+  for (const Job& job : page.jobs) list.push_back(OperatorJobJson(job));
   return Json{{"jobs", list}, {"next_cursor", page.next_cursor.empty() ? Json(nullptr) : Json(page.next_cursor)}};
 }
 
 Result<Json> Show(JobStore& jobs, const Request& request) {
   DRUPE_ASSIGN_OR_RETURN(const Job job, jobs.Get(request.Capture("id")));
   DRUPE_ASSIGN_OR_RETURN(const std::vector<JobEvent> events, jobs.History(job.id));
-  Json json = JobJson(job);
+  Json json = OperatorJobJson(job);
   json["history"] = HistoryJson(events);
   return json;
 }
 
 Result<Json> Changed(Result<Job> job) {
   if (!job.ok()) return job.status();
-  return JobJson(*job);
+  return OperatorJobJson(*job);
 }
 
 using Answer = std::function<Result<Json>(JobStore&, const Request&)>;

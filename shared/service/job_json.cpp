@@ -1,4 +1,4 @@
-#include "capture/job_json.h"
+#include "service/job_json.h"
 
 #include <algorithm>
 
@@ -9,29 +9,28 @@ namespace {
 
 constexpr std::size_t kMaxKeyBytes = 200;
 
-Json TimeOrNull(std::int64_t unix_ms) {
+}  // namespace
+
+Json TimeJson(std::int64_t unix_ms) {
   return unix_ms == 0 ? Json() : Json(FormatUtc(unix_ms));
 }
 
-/// A failed attempt that is retried is no error of the job yet.
-Json ErrorOrNull(const Job& job) {
+Json JobErrorJson(const Job& job) {
   if (!job.error || job.state != JobState::kFailed) return nullptr;
   Json error = {{"code", job.error->code}, {"message", job.error->message}};
   if (!job.error->field.empty()) error["field"] = job.error->field;
   return error;
 }
 
-}  // namespace
-
 Json JobJson(const Job& job) {
   return {{"id", job.id},
           {"status", JobStateName(job.state)},
           {"stage", job.stage},
           {"progress", job.progress},
-          {"created_at", TimeOrNull(job.created_ms)},
-          {"started_at", TimeOrNull(job.started_ms)},
-          {"finished_at", TimeOrNull(job.finished_ms)},
-          {"error", ErrorOrNull(job)}};
+          {"created_at", TimeJson(job.created_ms)},
+          {"started_at", TimeJson(job.started_ms)},
+          {"finished_at", TimeJson(job.finished_ms)},
+          {"error", JobErrorJson(job)}};
 }
 
 Result<std::string> ReadIdempotencyKey(const Request& request) {
