@@ -58,7 +58,7 @@ class WorkersTest(unittest.TestCase):
 
     def test_2_other_worker_takes_the_job_of_a_killed_one(self):
         job_id = self.system.submit(sample_images(IMAGES, 2), QUICK_OPTIONS)
-        killed = wait_for("a worker has the job", lambda: self.running_worker(job_id), JOB_TIMEOUT_S)
+        killed = wait_for("a worker has the job", lambda: self.running_worker(job_id), JOB_TIMEOUT_S, 0.01)
         killed.kill()
         status = self.system.wait_until_ended(job_id)
         self.assertEqual(status["status"], "succeeded", status)
@@ -71,7 +71,7 @@ class WorkersTest(unittest.TestCase):
 
     def test_3_cancel_reaches_a_worker_of_another_process(self):
         job_id = self.system.submit(sample_images(IMAGES, 3), QUICK_OPTIONS)
-        wait_for("a worker has the job", lambda: self.running_worker(job_id), JOB_TIMEOUT_S)
+        wait_for("a worker has the job", lambda: self.running_worker(job_id), JOB_TIMEOUT_S, 0.01)
         self.assertEqual(self.system.reconstruction.delete(f"/reconstructions/{job_id}").status, 202)
         self.assertEqual(self.system.wait_until_ended(job_id, 30)["status"], "cancelled")
 
@@ -88,7 +88,7 @@ class WorkersTest(unittest.TestCase):
 
     def test_5_database_that_is_restarted_costs_no_job(self):
         job_id = self.system.submit(sample_images(IMAGES, 2), QUICK_OPTIONS)
-        wait_for("a worker has the job", lambda: self.running_worker(job_id), JOB_TIMEOUT_S)
+        wait_for("a worker has the job", lambda: self.running_worker(job_id), JOB_TIMEOUT_S, 0.01)
         self.cluster.stop()
         self.assertEqual(self.system.reconstruction.get("/readyz").status, 503)
         self.cluster.start()
