@@ -12,6 +12,7 @@
 #include "http/response.h"
 #include "jobs/sql/sql_job_store.h"
 #include "jobs/sqlite/database.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
@@ -57,7 +58,7 @@ class CaptureServiceTest : public ::testing::Test {
   void SetUp() override {
     directory_ = fs::temp_directory_path() / NewId("capture");
     fs::create_directories(directory_);
-    auto objects = ObjectStore::Open(directory_ / "objects");
+    auto objects = DiskObjectStore::Open(directory_ / "objects");
     auto database = SqliteDatabase::Open(directory_ / "capture.db");
     ASSERT_TRUE(objects.ok() && database.ok());
     objects_ = std::move(*objects), database_ = std::move(*database);

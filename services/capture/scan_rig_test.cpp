@@ -9,6 +9,7 @@
 #include "capture/rig_fixture.h"
 #include "capture/scan_run.h"
 #include "jobs/sqlite/database.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
@@ -22,7 +23,7 @@ class ScanRunTest : public ::testing::Test {
   void SetUp() override {
     directory_ = fs::temp_directory_path() / NewId("scan");
     fs::create_directories(directory_);
-    auto objects = ObjectStore::Open(directory_ / "objects");
+    auto objects = DiskObjectStore::Open(directory_ / "objects");
     auto database = SqliteDatabase::Open(directory_ / "capture.db");
     ASSERT_TRUE(objects.ok() && database.ok());
     objects_ = std::move(*objects), database_ = std::move(*database);

@@ -24,6 +24,7 @@
 #include "scene/ply.h"
 #include "scene/synthetic_fruit.h"
 #include "service/references.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
@@ -149,7 +150,7 @@ class AnalysisServiceTest : public testing::Test {
   }
 
   void Open() {
-    objects_ = ObjectStore::Open(directory_ / "objects").value();
+    objects_ = DiskObjectStore::Open(directory_ / "objects").value();
     database_ = SqliteDatabase::Open(directory_ / "analysis.db").value();
     index_ = ReportIndex::Open(*database_).value();
     jobs_ = OpenJobStore(*database_, {.first_backoff_ms = 1, .max_backoff_ms = 1}).value();

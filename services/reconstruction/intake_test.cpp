@@ -10,6 +10,7 @@
 #include "reconstruction/image_sets.h"
 #include "reconstruction/reconstruct_request.h"
 #include "jobs/sqlite/database.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
@@ -52,7 +53,7 @@ class IntakeTest : public testing::Test {
   void SetUp() override {
     directory_ = std::filesystem::temp_directory_path() / NewId("test");
     std::filesystem::create_directories(directory_);
-    objects_ = std::move(ObjectStore::Open(directory_ / "objects").value());
+    objects_ = std::move(DiskObjectStore::Open(directory_ / "objects").value());
     database_ = std::move(SqliteDatabase::Open(directory_ / "test.db").value());
     sets_ = std::move(ImageSetStore::Open(*database_, limits_).value());
   }

@@ -11,6 +11,7 @@
 
 #include "base/ids.h"
 #include "jobs/sqlite/database.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
@@ -29,7 +30,7 @@ class ObjectDerivedCacheTest : public testing::Test {
   void Open(std::int64_t max_bytes) {
     cache_.reset();
     database_.reset();
-    objects_ = std::move(ObjectStore::Open(directory_ / "objects").value());
+    objects_ = std::move(DiskObjectStore::Open(directory_ / "objects").value());
     database_ = std::move(SqliteDatabase::Open(directory_ / "test.db").value());
     cache_ = std::move(ObjectDerivedCache::Open(*database_, *objects_, max_bytes).value());
   }

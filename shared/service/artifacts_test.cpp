@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/ids.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
@@ -23,7 +24,7 @@ class ArtifactsTest : public testing::Test {
   }
 
   const fs::path directory_ = fs::temp_directory_path() / NewId("artifactstest");
-  std::unique_ptr<ObjectStore> objects_ = ObjectStore::Open(directory_).value();
+  std::unique_ptr<ObjectStore> objects_ = DiskObjectStore::Open(directory_).value();
   Job job_;
   std::vector<Artifact> artifacts_ =
       StoreArtifacts({{"b.png", "picture"}, {"a.json", "{}"}, {"c.ply", "ply"}}, *objects_).value();

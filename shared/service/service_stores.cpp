@@ -5,6 +5,7 @@
 
 #include "jobs/sql/sql_job_store.h"
 #include "service/open_database.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 
@@ -47,7 +48,7 @@ void AddDiskGauge(Metrics& metrics, const std::filesystem::path& data) {
 Result<ServiceStores> OpenServiceStores(const ServiceOptions& options, const std::string& service) {
   ServiceStores stores;
   DRUPE_ASSIGN_OR_RETURN(stores.objects,
-                         ObjectStore::Open(options.data / "objects", {.min_free_bytes = options.min_free_bytes}));
+                         DiskObjectStore::Open(options.data / "objects", {.min_free_bytes = options.min_free_bytes}));
   DRUPE_ASSIGN_OR_RETURN(stores.database, OpenDatabase(options.jobs_url, options.data, service));
   DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenJobStore(*stores.database));
   return stores;
@@ -57,7 +58,7 @@ void WatchStores(Service& service, ServiceStores& stores) {
   JobStore& jobs = *stores.jobs;
   ObjectStore& objects = *stores.objects;
   service.AddReadinessCheck("jobs", [&jobs] { return jobs.Counts().status(); });
-  service.AddReadinessCheck("objects", [&objects] { return objects.CheckWritable(); });
+  service.AddReadinessCheck("objects", [&objects] { return objects.CheckWritable(0); });
   AddQueueGauges(service.metrics(), jobs, stores.database->clock());
   AddDiskGauge(service.metrics(), service.options().data);
 }

@@ -42,6 +42,12 @@ class ReadableFile {
   virtual Result<FileInfo> Info() const = 0;
 };
 
+/// A lock on a path that is given back on destruction.
+class PathLock {
+ public:
+  virtual ~PathLock() = default;
+};
+
 /// Every operating system call of the object store. Tests put a failing implementation in its place. Errors: 404
 /// `file_not_found`, 507 `disk_full`, 500 `write_failed` with the operation and the path.
 class FileSystem {
@@ -52,6 +58,9 @@ class FileSystem {
 
   /// Creates `path`, which must not exist, locked by this process.
   virtual Result<std::unique_ptr<WritableFile>> Create(const std::filesystem::path& path) = 0;
+  /// Opens `path`, or creates it, to write at its end, locked by this process. Errors: 409 `upload_in_progress` while
+  /// another writer has it.
+  virtual Result<std::unique_ptr<WritableFile>> OpenToAppend(const std::filesystem::path& path) = 0;
   virtual Result<std::unique_ptr<ReadableFile>> Open(const std::filesystem::path& path) = 0;
   /// Creates a directory; one that exists already is fine.
   virtual Status CreateDirectory(const std::filesystem::path& path) = 0;
@@ -59,6 +68,10 @@ class FileSystem {
   virtual Status Remove(const std::filesystem::path& path) = 0;
   /// Removes a file unless a living WritableFile, of any process, holds it. Returns whether it was removed.
   virtual Result<bool> RemoveIfAbandoned(const std::filesystem::path& path) = 0;
+  /// Sets the time of modification to now.
+  virtual Status Touch(const std::filesystem::path& path) = 0;
+  /// Waits for the lock on `path`, which is created, among all processes: alone, or together with others that share it.
+  virtual Result<std::unique_ptr<PathLock>> Lock(const std::filesystem::path& path, bool alone) = 0;
   virtual Status SyncDirectory(const std::filesystem::path& path) = 0;
   /// Names of the entries of a directory, in no order.
   virtual Result<std::vector<std::string>> List(const std::filesystem::path& path) = 0;

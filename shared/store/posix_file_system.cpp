@@ -59,6 +59,14 @@ class PosixWritableFile : public WritableFile {
   std::filesystem::path path_;
 };
 
+class PosixPathLock : public PathLock {
+ public:
+  explicit PosixPathLock(Descriptor fd) : fd_(std::move(fd)) {}
+
+ private:
+  Descriptor fd_;  ///< the lock goes with it
+};
+
 class PosixReadableFile : public ReadableFile {
  public:
   PosixReadableFile(Descriptor fd, std::filesystem::path path) : fd_(std::move(fd)), path_(std::move(path)) {}
@@ -103,6 +111,24 @@ class PosixFileSystem : public FileSystem {
     }
   }
 
+  Result<std::unique_ptr<WritableFile>> OpenToAppend(const std::filesystem::path& path) override {
+    for (;;) {
+      Descriptor fd(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644));
+      if (fd.get() < 0) return StatusFromErrno(errno, "open", path);
+      const int error = LockFile(fd.get(), LOCK_EX | LOCK_NB);
+      if (error == EWOULDBLOCK)
+        return Status(StatusKind::kConflict, "upload_in_progress", "this object is being sent by another client");
+      if (error != 0) return StatusFromErrno(error, "lock", path);
+      // Its former writer may have made an object of it between open and lock.
+      struct stat info {
+      }, named{};
+      if (::fstat(fd.get(), &info) != 0) return StatusFromErrno(errno, "stat", path);
+      if (::lstat(path.c_str(), &named) == 0 && named.st_ino == info.st_ino) {
+        return std::unique_ptr<WritableFile>(new PosixWritableFile(std::move(fd), path));
+      }
+    }
+  }
+
   Result<std::unique_ptr<ReadableFile>> Open(const std::filesystem::path& path) override {
     Descriptor fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
     if (fd.get() < 0) return StatusFromErrno(errno, "open", path);
@@ -135,6 +161,19 @@ class PosixFileSystem : public FileSystem {
     if (::unlink(path.c_str()) == 0) return true;
     // Gone: its writer renamed it between open and lock.
     return errno == ENOENT ? Result<bool>(false) : Result<bool>(StatusFromErrno(errno, "remove", path));
+  }
+
+  Status Touch(const std::filesystem::path& path) override {
+    return ::utimensat(AT_FDCWD, path.c_str(), nullptr, AT_SYMLINK_NOFOLLOW) == 0
+               ? Status::Ok()
+               : StatusFromErrno(errno, "touch", path);
+  }
+
+  Result<std::unique_ptr<PathLock>> Lock(const std::filesystem::path& path, bool alone) override {
+    Descriptor fd(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644));
+    if (fd.get() < 0) return StatusFromErrno(errno, "open", path);
+    if (const int error = LockFile(fd.get(), alone ? LOCK_EX : LOCK_SH)) return StatusFromErrno(error, "lock", path);
+    return std::unique_ptr<PathLock>(new PosixPathLock(std::move(fd)));
   }
 
   Status SyncDirectory(const std::filesystem::path& path) override { return drupe::SyncDirectory(path); }

@@ -64,6 +64,13 @@ class SimulatedFileSystem : public FileSystem {
     live_[path] = node;
     return std::unique_ptr<WritableFile>(new Writer(*this, node));
   }
+  Result<std::unique_ptr<WritableFile>> OpenToAppend(const std::filesystem::path& path) override {
+    if (!live_.contains(path)) return Create(path);
+    DRUPE_RETURN_IF_ERROR(Change());
+    const Node node = live_[path];
+    if (std::exchange(node->locked, true)) return Status(StatusKind::kConflict, "upload_in_progress", path.string());
+    return std::unique_ptr<WritableFile>(new Writer(*this, node));
+  }
   Result<std::unique_ptr<ReadableFile>> Open(const std::filesystem::path& path) override {
     const auto found = live_.find(path);
     if (found == live_.end() || !found->second) return NotFound("file_not_found", path.string());
@@ -90,6 +97,12 @@ class SimulatedFileSystem : public FileSystem {
     if (live_.at(path)->locked) return false;
     live_.erase(path);
     return true;
+  }
+  Status Touch(const std::filesystem::path& path) override {
+    return live_.contains(path) ? Status::Ok() : NotFound("file_not_found", path.string());
+  }
+  Result<std::unique_ptr<PathLock>> Lock(const std::filesystem::path&, bool) override {
+    return std::make_unique<PathLock>();
   }
   Status SyncDirectory(const std::filesystem::path& path) override {
     DRUPE_RETURN_IF_ERROR(Change());

@@ -2,50 +2,20 @@
 
 #include <algorithm>
 #include <map>
-#include <span>
 
 #include "base/digest.h"
+#include "store/object_files.h"
 
 namespace drupe {
 
 namespace {
 
-constexpr std::size_t kChunk = std::size_t{1} << 20;
 constexpr std::size_t kDigestDigits = 64;
 /// JSON that refers to other objects is smaller; clouds and pictures are not searched.
 constexpr std::uint64_t kMaxReferringBytes = std::uint64_t{16} << 20;
 
 bool IsHexDigit(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-}
-
-bool IsFanOut(const std::string& name) {
-  return name.size() == 2 && IsHexDigit(name[0]) && IsHexDigit(name[1]);
-}
-
-/// Calls `visit` with the folder and the name of every file below the fan-out folders, in the order of their names.
-Status ForEachFile(const std::filesystem::path& directory, FileSystem& files,
-                   const std::function<Status(const std::string&, const std::string&)>& visit) {
-  DRUPE_ASSIGN_OR_RETURN(std::vector<std::string> folders, files.List(directory));
-  std::sort(folders.begin(), folders.end());
-  for (const std::string& folder : folders) {
-    if (!IsFanOut(folder)) continue;
-    DRUPE_ASSIGN_OR_RETURN(std::vector<std::string> names, files.List(directory / folder));
-    std::sort(names.begin(), names.end());
-    for (const std::string& name : names) DRUPE_RETURN_IF_ERROR(visit(folder, name));
-  }
-  return Status::Ok();
-}
-
-/// Calls `take` with the file's bytes, piece by piece.
-Status ReadAll(const ReadableFile& file, const std::function<void(std::string_view)>& take) {
-  std::string chunk(kChunk, '\0');
-  for (std::uint64_t offset = 0;;) {
-    DRUPE_ASSIGN_OR_RETURN(const std::size_t count, file.ReadAt(offset, std::as_writable_bytes(std::span(chunk))));
-    take(std::string_view(chunk).substr(0, count));
-    if (count < chunk.size()) return Status::Ok();
-    offset += count;
-  }
 }
 
 /// The digests that a kept object refers to, if it is a JSON object.
@@ -69,8 +39,10 @@ Status KeepWhatIsReached(const std::filesystem::path& directory, const std::map<
     open.pop_back();
     const auto object = objects.find(digest);
     if (object == objects.end()) continue;
-    DRUPE_ASSIGN_OR_RETURN(const auto file, files.Open(directory / digest.substr(0, 2) / digest));
-    DRUPE_ASSIGN_OR_RETURN(const std::vector<std::string> references, ReferencesOf(*file, object->second.size));
+    const auto file = files.Open(directory / digest.substr(0, 2) / digest);
+    if (!file.ok() && file.status().kind() == StatusKind::kNotFound) continue;
+    DRUPE_RETURN_IF_ERROR(file.status());
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<std::string> references, ReferencesOf(**file, object->second.size));
     for (const std::string& reference : references) {
       if (kept.insert(reference).second) open.push_back(reference);
     }
@@ -78,18 +50,17 @@ Status KeepWhatIsReached(const std::filesystem::path& directory, const std::map<
   return Status::Ok();
 }
 
-Result<std::map<std::string, FileInfo>> ListObjects(const std::filesystem::path& directory, FileSystem& files) {
-  std::map<std::string, FileInfo> objects;
-  DRUPE_RETURN_IF_ERROR(ForEachFile(directory, files, [&](const std::string& folder, const std::string& name) {
-    if (!IsSha256Hex(name) || !name.starts_with(folder)) return Status::Ok();
-    const auto file = files.Open(directory / folder / name);
-    if (!file.ok()) return file.status();
-    const Result<FileInfo> info = (*file)->Info();
-    if (!info.ok()) return info.status();
-    objects[name] = *info;
-    return Status::Ok();
-  }));
-  return objects;
+/// Removes an object unless it has been stored again, or renewed, since it was listed. Returns whether it was removed.
+Result<bool> RemoveUnlessRenewed(const std::filesystem::path& directory, const std::string& digest,
+                                 const FileInfo& listed, FileSystem& files) {
+  const std::filesystem::path path = directory / digest.substr(0, 2) / digest;
+  DRUPE_ASSIGN_OR_RETURN(const auto lock, files.Lock(directory / kCollectionLock, true));
+  const auto file = files.Open(path);
+  if (!file.ok()) return file.status().kind() == StatusKind::kNotFound ? Result<bool>(false) : file.status();
+  DRUPE_ASSIGN_OR_RETURN(const FileInfo info, (*file)->Info());
+  if (info != listed) return false;
+  DRUPE_RETURN_IF_ERROR(files.Remove(path));
+  return true;
 }
 
 }  // namespace
@@ -149,10 +120,13 @@ Result<GarbageReport> CollectGarbage(const std::filesystem::path& directory, std
   DRUPE_RETURN_IF_ERROR(KeepWhatIsReached(directory, objects, roots, files));
   GarbageReport report;
   for (const auto& [digest, info] : objects) {
-    const bool keep = roots.contains(digest);
+    bool keep = roots.contains(digest);
+    if (!keep && !options.dry_run) {
+      DRUPE_ASSIGN_OR_RETURN(const bool removed, RemoveUnlessRenewed(directory, digest, info, files));
+      keep = !removed;
+    }
     ++(keep ? report.kept : report.removed);
     (keep ? report.kept_bytes : report.removed_bytes) += info.size;
-    if (!keep && !options.dry_run) DRUPE_RETURN_IF_ERROR(files.Remove(directory / digest.substr(0, 2) / digest));
   }
   return report;
 }

@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 #include <limits>
 
 #include "base/digest.h"
 #include "base/ids.h"
-#include "store/object_store.h"
+#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
@@ -25,7 +26,7 @@ class StoreAuditTest : public testing::Test {
   void Damage(const std::string& digest) { std::ofstream(PathOf(digest)) << "other bytes"; }
 
   const fs::path directory_ = fs::temp_directory_path() / NewId("audit");
-  std::unique_ptr<ObjectStore> store_ = ObjectStore::Open(directory_).value();
+  std::unique_ptr<DiskObjectStore> store_ = DiskObjectStore::Open(directory_).value();
 };
 
 TEST_F(StoreAuditTest, FindsDamagedAndMisnamedFiles) {
@@ -66,6 +67,49 @@ TEST_F(StoreAuditTest, YoungObjectsStayAndADryRunRemovesNothing) {
   EXPECT_EQ(CollectGarbage(directory_, {}, {.unused_since_ns = 0})->removed, 0);
   EXPECT_EQ(CollectGarbage(directory_, {}, {.unused_since_ns = kFuture, .dry_run = true})->removed, 1);
   EXPECT_TRUE(store_->Contains(young));
+}
+
+/// Stores an object again in the moment between the collector's list and its removal.
+class RestoringFileSystem : public FileSystem {
+ public:
+  explicit RestoringFileSystem(std::function<void()> restore) : restore_(std::move(restore)) {}
+
+  Result<std::unique_ptr<PathLock>> Lock(const fs::path& path, bool alone) override {
+    if (alone) std::exchange(restore_, [] {})();
+    return posix_.Lock(path, alone);
+  }
+  Result<std::unique_ptr<WritableFile>> Create(const fs::path& path) override { return posix_.Create(path); }
+  Result<std::unique_ptr<WritableFile>> OpenToAppend(const fs::path& path) override {
+    return posix_.OpenToAppend(path);
+  }
+  Result<std::unique_ptr<ReadableFile>> Open(const fs::path& path) override { return posix_.Open(path); }
+  Status CreateDirectory(const fs::path& path) override { return posix_.CreateDirectory(path); }
+  Status Rename(const fs::path& from, const fs::path& to) override { return posix_.Rename(from, to); }
+  Status Remove(const fs::path& path) override { return posix_.Remove(path); }
+  Result<bool> RemoveIfAbandoned(const fs::path& path) override { return posix_.RemoveIfAbandoned(path); }
+  Status Touch(const fs::path& path) override { return posix_.Touch(path); }
+  Status SyncDirectory(const fs::path& path) override { return posix_.SyncDirectory(path); }
+  Result<std::vector<std::string>> List(const fs::path& path) override { return posix_.List(path); }
+  Result<std::uint64_t> FreeBytes(const fs::path& path) override { return posix_.FreeBytes(path); }
+
+ private:
+  FileSystem& posix_ = FileSystem::Posix();
+  std::function<void()> restore_;
+};
+
+TEST_F(StoreAuditTest, AnObjectThatIsStoredAgainMeanwhileStays) {
+  const std::string again = Put("again"), renewed = Put("renewed"), garbage = Put("garbage");
+  const auto yesterday = fs::file_time_type::clock::now() - std::chrono::hours(24);
+  for (const std::string& digest : {again, renewed, garbage}) fs::last_write_time(PathOf(digest), yesterday);
+  RestoringFileSystem files([&] {
+    Put("again");
+    EXPECT_TRUE(store_->Renew(renewed).value());
+  });
+  const GarbageReport report = CollectGarbage(directory_, {}, {.unused_since_ns = kFuture}, files).value();
+  EXPECT_EQ(report.removed, 1);
+  EXPECT_EQ(store_->Get(again).value(), "again");
+  EXPECT_TRUE(store_->Contains(renewed));
+  EXPECT_FALSE(store_->Renew(garbage).value());
 }
 
 TEST(FindDigests, TakesRunsOfExactlySixtyFourDigits) {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "base/digest.h"
-#include "store/object_store.h"
+#include "store/disk_object_store.h"
 #include "store/simulated_file_system.h"
 
 namespace drupe {
@@ -13,14 +13,14 @@ Status DiskFull() {
   return {StatusKind::kInsufficientStorage, "disk_full", "no space left"};
 }
 
-std::unique_ptr<ObjectStore> OpenStore(FileSystem& file_system) {
-  auto store = ObjectStore::Open(kRoot / "objects", {}, file_system);
+std::unique_ptr<DiskObjectStore> OpenStore(FileSystem& file_system) {
+  auto store = DiskObjectStore::Open(kRoot / "objects", {}, file_system);
   EXPECT_TRUE(store.ok()) << store.status().ToString();
   return std::move(store).value();
 }
 
 /// Puts `text` in two pieces.
-Result<ObjectInfo> PutInPieces(ObjectStore& store, std::string_view text) {
+Result<ObjectInfo> PutInPieces(DiskObjectStore& store, std::string_view text) {
   DRUPE_ASSIGN_OR_RETURN(ObjectWriter writer, store.Begin());
   DRUPE_RETURN_IF_ERROR(writer.Append(text.substr(0, 2)));
   DRUPE_RETURN_IF_ERROR(writer.Append(text.substr(2)));
@@ -82,7 +82,7 @@ TEST(ObjectStoreFaultTest, OpeningIsRepeatableWhereverItWasInterrupted) {
   for (int n = 0;; n += 37) {
     SimulatedFileSystem file_system(kRoot);
     file_system.FailAt(n, Internal("killed", ""), true);
-    const bool opened = ObjectStore::Open(kRoot / "objects", {}, file_system).ok();
+    const bool opened = DiskObjectStore::Open(kRoot / "objects", {}, file_system).ok();
     const bool happened = file_system.Heal();
     EXPECT_EQ(opened, !happened);
     file_system.PowerCut();

@@ -1,4 +1,4 @@
-#include "store/object_store.h"
+#include "store/disk_object_store.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ class ObjectStoreTest : public testing::Test {
   }
   void TearDown() override { fs::remove_all(directory_); }
 
-  std::unique_ptr<ObjectStore> OpenStore() {
-    auto store = ObjectStore::Open(directory_ / "objects", kOptions);
+  std::unique_ptr<DiskObjectStore> OpenStore() {
+    auto store = DiskObjectStore::Open(directory_ / "objects", kOptions);
     EXPECT_TRUE(store.ok()) << store.status().ToString();
     return std::move(store).value();
   }
@@ -36,7 +36,7 @@ class ObjectStoreTest : public testing::Test {
   }
 
   const fs::path directory_ = fs::temp_directory_path() / NewId("storetest");
-  std::unique_ptr<ObjectStore> store_;
+  std::unique_ptr<DiskObjectStore> store_;
 };
 
 std::string Read(ObjectReader& reader, std::uint64_t offset, std::size_t count) {
@@ -122,6 +122,20 @@ TEST_F(ObjectStoreTest, RefusesObjectsBeyondTheLimits) {
   EXPECT_EQ(store_->Put(big + "x").status().code(), "object_too_large");
   EXPECT_EQ(store_->Get(Sha256Hex(big), 100).status().code(), "object_too_large");
   EXPECT_EQ(Temporaries(), 0);
+}
+
+TEST_F(ObjectStoreTest, QuotaCountsWhatOtherProcessesStoreAndWhatWasThere) {
+  ASSERT_TRUE(store_->Put("1234567").ok());
+  const ObjectStoreOptions options{.min_free_bytes = 0, .max_total_bytes = 10};
+  const auto store = DiskObjectStore::Open(directory_ / "objects", options).value();
+  EXPECT_TRUE(store->CheckWritable(3).ok());
+  EXPECT_EQ(store->Put("abcd").status().code(), "store_full");
+  const std::string small = store->Put("abc").value().sha256;
+  EXPECT_EQ(store->CheckWritable(1).kind(), StatusKind::kInsufficientStorage);
+  const auto fresh = DiskObjectStore::Open(directory_ / "objects", options).value();
+  EXPECT_EQ(fresh->Put("x").status().code(), "store_full");
+  ASSERT_TRUE(fresh->Remove(small).ok());
+  EXPECT_TRUE(DiskObjectStore::Open(directory_ / "objects", options).value()->Put("abc").ok());
 }
 
 TEST_F(ObjectStoreTest, RemovingLeavesOpenReadersAlone) {
