@@ -30,10 +30,11 @@ Status WriteBoard(BoardArguments& arguments) {
   fs::create_directories(out, error);
   if (error) return StatusFromErrno(error.value(), "create", out);
   DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / "board.svg", ToSvg(drawing)));
+  DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / "board.pdf", ToPdf(drawing)));
   DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / "board.png", png));
   DRUPE_RETURN_IF_ERROR(WriteFileAtomically(out / "board.json", DumpJson(ToJson(BoardOf(arguments.print))) + "\n"));
   std::printf(
-      "%s: board.svg and board.png, %g x %g mm, and board.json.\n"
+      "%s: board.pdf, board.svg and board.png, %g x %g mm, and board.json.\n"
       "Print at 100 %% on matt paper, glue it on a flat plate and measure the ruler. If it is not exactly to scale, "
       "run\n"
       "this again with --measured-ruler-mm set to what the whole ruler, scaled to 100 mm, measures.\n",
@@ -62,7 +63,7 @@ void AddOptions(CLI::App& command, BoardArguments& arguments) {
 
 void AddBoardCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<BoardArguments>();
-  CLI::App* command = app.add_subcommand("board", "The printable board of markers for the turntable (SVG, PNG, JSON)");
+  CLI::App* command = app.add_subcommand("board", "The printable board of markers for the turntable (PDF, SVG, PNG, JSON)");
   AddOptions(*command, *arguments);
   command->callback([arguments, &exit_code] {
     const Status status = WriteBoard(*arguments);

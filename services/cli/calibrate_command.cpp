@@ -22,6 +22,7 @@ struct CalibrateArguments {
   std::string pattern;
   std::string out = "calibration.json";
   std::string report;
+  std::string coverage;
   int threads = 0;
 };
 
@@ -70,6 +71,10 @@ Status Calibrate(const CalibrateArguments& arguments) {
   bar.Finish();
   Print(result);
   DRUPE_RETURN_IF_ERROR(WriteFileAtomically(arguments.out, DumpJson(ToJson(result.calibration), 1) + "\n"));
+  if (!arguments.coverage.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(const std::string png, DrawCoverage(result.coverage));
+    DRUPE_RETURN_IF_ERROR(WriteFileAtomically(arguments.coverage, png));
+  }
   if (arguments.report.empty()) return Status::Ok();
   return WriteFileAtomically(arguments.report, DumpJson(ToJson(result), 1) + "\n");
 }
@@ -78,15 +83,20 @@ Status Calibrate(const CalibrateArguments& arguments) {
 
 void AddCalibrateCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<CalibrateArguments>();
-  CLI::App* command = app.add_subcommand("calibrate", "From pictures of a checkerboard to calibration.json");
+  CLI::App* command =
+      app.add_subcommand("calibrate", "From pictures of a checkerboard or ChArUco board to calibration.json");
   command->add_option("IMAGES_DIR", arguments->images, "10 to 20 sharp pictures of the pattern, tilted every way")
       ->required();
   command
-      ->add_option("--pattern", arguments->pattern,
-                   "pattern.json: {\"pattern\": \"checkerboard\", \"inner_corners\": [11, 8], \"square_mm\": 6.0}")
+      ->add_option(
+          "--pattern", arguments->pattern,
+          "pattern.json: {\"pattern\": \"checkerboard\", \"inner_corners\": [11, 8], \"square_mm\": 6.0}; of a "
+          "ChArUco board {\"pattern\": \"charuco\", ..., \"marker_mm\": 4.5, \"dictionary\": \"DICT_5X5_250\"}")
       ->required();
   command->add_option("--out", arguments->out, "Where the calibration is written")->capture_default_str();
   command->add_option("--report", arguments->report, "Where the full report is written (JSON); not by default");
+  command->add_option("--coverage", arguments->coverage,
+                      "Where a picture of the sensor with all corners is written (PNG); not by default");
   command->add_option("--threads", arguments->threads, "Worker threads; 0: one per core")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();

@@ -57,6 +57,9 @@ Result<BoardDrawing> DrawBoard(const BoardPrintOptions& options);
 /// SVG 1.1 whose unit is 1 mm.
 std::string ToSvg(const BoardDrawing& drawing);
 
+/// PDF 1.4, one page of the drawing's size, which asks viewers not to scale it. The same drawing gives the same bytes.
+std::string ToPdf(const BoardDrawing& drawing);
+
 /// 8-bit grey PNG at `dpi` (72..2400) dots an inch, with its resolution in the file and edges anti-aliased, so that
 /// lengths are exact although dots are not. Errors: 400 `invalid_option`; 413 `image_too_large` beyond 400 million
 /// dots.

@@ -112,6 +112,26 @@ TEST(BoardPrintTest, SvgAndPngAreToScale) {
   EXPECT_EQ(black, 1002);
 }
 
+TEST(BoardPrintTest, PdfIsToScaleAndWhole) {
+  const auto drawing = DrawBoard({});
+  ASSERT_TRUE(drawing.ok());
+  const std::string pdf = ToPdf(*drawing);
+  EXPECT_EQ(pdf, ToPdf(*drawing));
+  EXPECT_EQ(pdf.substr(0, 8), "%PDF-1.4");
+  EXPECT_NE(pdf.find("/MediaBox [0 0 351.496063 391.181102]"), std::string::npos);  // 124 x 138 mm in points
+  EXPECT_NE(pdf.find("10.0000 10.0000 8.0000 1.3333 re"), std::string::npos);       // the first marker's border
+  // Every object begins where the table says, and the table where the end says.
+  const std::size_t table = std::stoul(pdf.substr(pdf.rfind("startxref\n") + 10));
+  ASSERT_EQ(pdf.substr(table, 4), "xref");
+  std::size_t row = pdf.find("00000 n", table) - 11;
+  for (int object = 1; object <= 5; ++object, row += 20) {
+    const std::size_t at = std::stoul(pdf.substr(row, 10));
+    EXPECT_EQ(pdf.substr(at, 7), std::to_string(object) + " 0 obj");
+  }
+  const std::size_t stream = pdf.find("stream\n") + 7;
+  EXPECT_EQ(pdf.find("/Length " + std::to_string(pdf.find("endstream") - stream) + " "), pdf.find("/Length "));
+}
+
 TEST(BoardPrintTest, AMeasuredPrintScalesTheBoard) {
   const Board board = BoardOf({.measured_ruler_mm = 99});
   EXPECT_DOUBLE_EQ(board.corners_mm.at(0)[0].x(), -52 * 0.99);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "base/parallel.h"
@@ -71,7 +70,8 @@ class Calibrator {
     if (!corners.ok()) {
       state.reason = corners.status().message();
     } else if (corners->size() < kMinCorners) {
-      state.reason = "the whole pattern was not found; all inner corners must be visible and sharp";
+      state.reason = pattern_.markers ? "too little of the pattern was found; its markers must be visible and sharp"
+                                      : "the whole pattern was not found; all inner corners must be visible and sharp";
     } else {
       state.corners = std::move(corners).value();
     }
@@ -129,7 +129,8 @@ class Calibrator {
     const std::vector<double>& rms = solution_.view_rms_px;
     std::vector<double> sorted = rms;
     std::sort(sorted.begin(), sorted.end());
-    const double limit = options_.max_rms_ratio * std::max(sorted[sorted.size() / 2], 0.02);
+    // A twentieth of a pixel is no sign of a bent pattern, however good the other pictures are.
+    const double limit = options_.max_rms_ratio * std::max(sorted[sorted.size() / 2], 0.05);
     const auto worst = std::max_element(rms.begin(), rms.end());
     if (*worst <= limit || static_cast<int>(in_use.size()) == kMinViews) return false;
     states_[in_use[static_cast<std::size_t>(worst - rms.begin())]].reason =
@@ -161,17 +162,6 @@ class Calibrator {
     return std::round(std::acos(cosine) * 180e3 / std::numbers::pi) * 1e-3;  // finer means nothing
   }
 
-  double Coverage(const std::vector<std::size_t>& in_use) const {
-    constexpr int kColumns = 8, kRows = 6;
-    std::set<std::pair<int, int>> cells;
-    for (const std::size_t i : in_use) {
-      for (const Eigen::Vector2d& pixel : states_[i].corners.pixels) {
-        cells.emplace(static_cast<int>(pixel.x() * kColumns / width_), static_cast<int>(pixel.y() * kRows / height_));
-      }
-    }
-    return static_cast<double>(cells.size()) / (kColumns * kRows);
-  }
-
   CalibrationResult Finish() const {
     CalibrationResult result;
     result.calibration = {.camera = solution_.camera, .rms_px = solution_.rms_px};
@@ -190,7 +180,8 @@ class Calibrator {
       report.rms_px = solution_.view_rms_px[view];
       report.tilt_deg = TiltDeg(solution_.cam_from_pattern[view]);
     }
-    result.coverage = Coverage(in_use);
+    result.coverage = CoverageMap(width_, height_);
+    for (const std::size_t i : in_use) result.coverage.Add(states_[i].corners.pixels);
     Judge(result);
     return result;
   }

@@ -9,6 +9,7 @@
 #include "base/status.h"
 #include "capture/calibration/checkerboard.h"
 #include "capture/calibration/corner_finder.h"
+#include "capture/calibration/coverage.h"
 #include "capture/calibration/zhang.h"
 #include "scene/calibration.h"
 
@@ -51,19 +52,20 @@ struct CalibrationResult {
   bool square_pixels = false;           ///< fx = fy was assumed
   bool fixed_k3 = false;                ///< k3 = 0 was assumed
   std::vector<PictureReport> pictures;  ///< in the order given
-  double coverage = 0;                  ///< share of the picture's area that had corners, in a grid of 8 x 6, 0..1
+  CoverageMap coverage;                 ///< of the pictures in use
   CalibrationGrade grade = CalibrationGrade::kPoor;
   std::string verdict;  ///< in words: what is good about it, and what to do better
 };
 
-/// Calibrates a camera from pictures of a checkerboard. Reports the stages "corners" and "calibration". Pictures that
-/// are broken, of another size than most, or without the whole pattern are left out and named in the report. Errors:
-/// 422 `too_few_pattern_pictures` (fewer than 3 can be used; the message says what became of the others), 422
-/// `calibration_failed`, `cancelled`.
+/// Calibrates a camera from pictures of a checkerboard or ChArUco board. Reports the stages "corners" and
+/// "calibration". Pictures that are broken, of another size than most, or without the whole pattern are left out and
+/// named in the report. Errors: 422 `too_few_pattern_pictures` (fewer than 3 can be used; the message says what became
+/// of the others), 422 `calibration_failed`, `cancelled`.
 Result<CalibrationResult> RunCalibration(const std::vector<PatternPicture>& pictures, const Checkerboard& pattern,
                                          const CalibrationOptions& options, const RunContext& context);
 
-/// The report: {"calibration", "sigma", "assumed", "pictures", "coverage_pct", "grade", "verdict"}.
+/// The report: {"calibration", "sigma", "assumed", "pictures", "coverage_pct", "coverage", "grade",
+/// "verdict"}.
 Json ToJson(const CalibrationResult& result);
 
 }  // namespace drupe

@@ -256,7 +256,8 @@ TEST(CheckerboardTest, ReadsAndChecksThePattern) {
     return pattern.ok() ? std::string("ok") : pattern.status().field();
   };
   EXPECT_EQ(field_after("square_mm", 6), "ok");
-  EXPECT_EQ(field_after("pattern", "charuco"), "pattern");
+  EXPECT_EQ(field_after("pattern", "charuco"), "marker_mm");
+  EXPECT_EQ(field_after("pattern", "circles"), "pattern");
   EXPECT_EQ(field_after("pattern", 7), "pattern");
   EXPECT_EQ(field_after("inner_corners", {11, 2}), "inner_corners");
   EXPECT_EQ(field_after("inner_corners", {11, 8, 3}), "inner_corners");

@@ -27,7 +27,8 @@ Json ToJson(const CalibrationResult& result) {
           {"sigma", SigmaJson(result.sigma)},
           {"assumed", {{"square_pixels", result.square_pixels}, {"k3_zero", result.fixed_k3}}},
           {"pictures", std::move(pictures)},
-          {"coverage_pct", 100 * result.coverage},
+          {"coverage_pct", 100 * result.coverage.Share()},
+          {"coverage", ToJson(result.coverage)},
           {"grade", CalibrationGradeName(result.grade)},
           {"verdict", result.verdict}};
 }

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
+#include <vector>
+
+#include "capture/calibration/charuco_finder.h"
 
 namespace drupe {
 namespace {
@@ -14,57 +18,82 @@ cv::Mat View(const GrayImage& image) {
           static_cast<std::size_t>(image.stride())};
 }
 
-/// Corners in pixels of `picture`; empty when the pattern is not found. By Duda & Frese, "Accurate detection and
+/// Corners of a checkerboard; empty when it is not found whole. By Duda & Frese, "Accurate detection and
 /// localization of checkerboard corners", BMVC 2018, which costs a quarter of a second whether or not there is a
 /// pattern; OpenCV's older search takes 5 s to give up on a picture that holds another pattern.
-std::vector<cv::Point2f> Search(const cv::Mat& picture, const Checkerboard& pattern) {
-  std::vector<cv::Point2f> corners;
+PatternCorners FindAllCorners(const cv::Mat& picture, const Checkerboard& pattern) {
+  std::vector<cv::Point2f> found;
   const cv::Size size(pattern.columns, pattern.rows);
   // Threads go over the pictures; OpenCV's own would make the last digits depend on their timing.
   static const bool opencv_is_serial = (cv::setNumThreads(1), true);
   static_cast<void>(opencv_is_serial);
-  if (!cv::findChessboardCornersSB(picture, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) corners.clear();
-  return corners;
-}
-
-std::vector<cv::Point2f> SearchReduced(const cv::Mat& picture, const Checkerboard& pattern, int width) {
-  if (picture.cols <= width) return Search(picture, pattern);
-  const double scale = static_cast<double>(picture.cols) / width;
-  cv::Mat reduced;
-  cv::resize(picture, reduced, cv::Size(width, std::max(1, cvRound(picture.rows / scale))), 0, 0, cv::INTER_AREA);
-  std::vector<cv::Point2f> corners = Search(reduced, pattern);
-  for (cv::Point2f& corner : corners) {  // pixel centres are at integers in both
-    corner.x = static_cast<float>((corner.x + 0.5) * scale - 0.5);
-    corner.y = static_cast<float>((corner.y + 0.5) * picture.rows / reduced.rows - 0.5);
+  if (!cv::findChessboardCornersSB(picture, size, found, cv::CALIB_CB_NORMALIZE_IMAGE)) found.clear();
+  PatternCorners corners;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    corners.indices.push_back(static_cast<int>(i));
+    corners.pixels.emplace_back(found[i].x, found[i].y);
   }
   return corners;
 }
 
-/// Distance to the nearest neighbour on the pattern, in pixels.
-double SquarePx(const std::vector<cv::Point2f>& corners, const Checkerboard& pattern, int index) {
+/// The corners to a pixel or so, found in a picture reduced to `width`.
+PatternCorners SearchReduced(const cv::Mat& picture, const Checkerboard& pattern, int width) {
+  cv::Mat reduced = picture;
+  if (picture.cols > width) {
+    const double scale = static_cast<double>(picture.cols) / width;
+    cv::resize(picture, reduced, cv::Size(width, std::max(1, cvRound(picture.rows / scale))), 0, 0, cv::INTER_AREA);
+  }
+  PatternCorners corners = pattern.markers ? FindCharucoCorners(reduced, pattern) : FindAllCorners(reduced, pattern);
+  const double scale_x = static_cast<double>(picture.cols) / reduced.cols;
+  const double scale_y = static_cast<double>(picture.rows) / reduced.rows;
+  for (Eigen::Vector2d& corner : corners.pixels) {  // pixel centres are at integers in both
+    corner = {(corner.x() + 0.5) * scale_x - 0.5, (corner.y() + 0.5) * scale_y - 0.5};
+  }
+  return corners;
+}
+
+/// Pixels of each corner of the pattern; absent where it was not found.
+using CornerGrid = std::vector<std::optional<Eigen::Vector2d>>;
+
+CornerGrid GridOf(const PatternCorners& corners, const Checkerboard& pattern) {
+  CornerGrid grid(static_cast<std::size_t>(pattern.CornerCount()));
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    grid[static_cast<std::size_t>(corners.indices[i])] = corners.pixels[i];
+  return grid;
+}
+
+/// Distance to the nearest neighbour on the pattern, in pixels; 0 without one.
+double SquarePx(const CornerGrid& grid, const Checkerboard& pattern, int index) {
   const int column = index % pattern.columns, row = index / pattern.columns;
-  double nearest = 1e9;
-  const auto consider = [&](int other) { nearest = std::min(nearest, cv::norm(corners[index] - corners[other])); };
-  if (column > 0) consider(index - 1);
-  if (column + 1 < pattern.columns) consider(index + 1);
-  if (row > 0) consider(index - pattern.columns);
-  if (row + 1 < pattern.rows) consider(index + pattern.columns);
+  double nearest = 0;
+  const auto consider = [&](bool exists, int other) {
+    if (!exists || !grid[static_cast<std::size_t>(other)]) return;
+    const double distance = (*grid[static_cast<std::size_t>(index)] - *grid[static_cast<std::size_t>(other)]).norm();
+    nearest = nearest == 0 ? distance : std::min(nearest, distance);
+  };
+  consider(column > 0, index - 1);
+  consider(column + 1 < pattern.columns, index + 1);
+  consider(row > 0, index - pattern.columns);
+  consider(row + 1 < pattern.rows, index + pattern.columns);
   return nearest;
 }
 
 /// Measures every corner in a window that fits its square; leaves out those whose window does not lie in the picture.
-PatternCorners Measure(const cv::Mat& picture, const std::vector<cv::Point2f>& found, const Checkerboard& pattern,
+PatternCorners Measure(const cv::Mat& picture, const PatternCorners& found, const Checkerboard& pattern,
                        double window_squares) {
   const cv::TermCriteria criteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 0.001);
+  const CornerGrid grid = GridOf(found, pattern);
   PatternCorners corners;
-  for (int i = 0; i < pattern.CornerCount(); ++i) {
-    const int half = std::max(2, cvRound(window_squares * SquarePx(found, pattern, i)));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double square_px = SquarePx(grid, pattern, found.indices[i]);
+    const int half = std::max(2, cvRound(window_squares * square_px));
+    const cv::Point2f start(static_cast<float>(found.pixels[i].x()), static_cast<float>(found.pixels[i].y()));
     const cv::Rect2f inside(half + 1.0F, half + 1.0F, picture.cols - 2.0F * half - 3, picture.rows - 2.0F * half - 3);
-    if (!inside.contains(found[i])) continue;
-    std::vector<cv::Point2f> point{found[i]};
+    if (square_px == 0 || !inside.contains(start)) continue;
+    std::vector<cv::Point2f> point{start};
     cv::cornerSubPix(picture, point, cv::Size(half, half), cv::Size(-1, -1), criteria);
-    if (cv::norm(point[0] - found[i]) > half) continue;
-    corners.indices.push_back(i);
+    if (cv::norm(point[0] - start) > half) continue;
+    corners.indices.push_back(found.indices[i]);
     corners.pixels.emplace_back(point[0].x, point[0].y);
   }
   return corners;
@@ -87,9 +116,10 @@ Result<PatternCorners> FindCorners(const GrayImage& image, const Checkerboard& p
   DRUPE_RETURN_IF_ERROR(options.Check());
   try {
     const cv::Mat picture = View(image);
-    const std::vector<cv::Point2f> found = SearchReduced(picture, pattern, options.search_width_px);
-    if (static_cast<int>(found.size()) != pattern.CornerCount()) return PatternCorners{};
-    return Measure(picture, found, pattern, options.window_squares);
+    // Markers are smaller than what tells a checkerboard.
+    const int width = pattern.markers ? 2 * options.search_width_px : options.search_width_px;
+    const PatternCorners found = SearchReduced(picture, pattern, width);
+    return Measure(picture, found, pattern, std::min(options.window_squares, pattern.ClearShare()));
   } catch (const std::exception& error) {
     return Internal("pattern_search_failed", error.what());
   }

@@ -28,7 +28,8 @@ struct CornerFinderOptions {
   Status Check() const;
 };
 
-/// Finds the whole pattern. An empty answer means that it is not (all) visible. Errors: 500 `pattern_search_failed`.
+/// Finds the pattern: all of a checkerboard, or what is visible of a ChArUco board. Empty when it is not there. Errors:
+/// 500 `pattern_search_failed`.
 Result<PatternCorners> FindCorners(const GrayImage& image, const Checkerboard& pattern,
                                    const CornerFinderOptions& options = {});
 

@@ -41,11 +41,12 @@ class Refiner {
       : image_(image), camera_(camera), cam_from_pattern_(cam_from_pattern) {}
 
   /// The pixel of the corner near `start_px`, whose edges run along the axes of the pattern's plane.
-  std::optional<Eigen::Vector2d> Refine(const Eigen::Vector2d& start_px, double square_mm) const {
+  /// Nothing else comes nearer than `clear_mm` to them.
+  std::optional<Eigen::Vector2d> Refine(const Eigen::Vector2d& start_px, double square_mm, double clear_mm) const {
     Eigen::Vector2d corner = PlaneFromPixel(start_px);
     for (int iteration = 0; iteration < 2; ++iteration) {
-      const auto along_x = EdgeOffset(corner, Eigen::Vector2d::UnitY(), Eigen::Vector2d::UnitX(), square_mm);
-      const auto along_y = EdgeOffset(corner, Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY(), square_mm);
+      const auto along_x = EdgeOffset(corner, Eigen::Vector2d::UnitY(), Eigen::Vector2d::UnitX(), square_mm, clear_mm);
+      const auto along_y = EdgeOffset(corner, Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY(), square_mm, clear_mm);
       if (!along_x || !along_y) return {};
       corner += Eigen::Vector2d(*along_x, *along_y);
     }
@@ -97,10 +98,12 @@ class Refiner {
 
   /// Mean offset across the edge through `corner` that runs along `along`: mean of its arms on both sides.
   std::optional<double> EdgeOffset(const Eigen::Vector2d& corner, const Eigen::Vector2d& along,
-                                   const Eigen::Vector2d& across, double square_mm) const {
+                                   const Eigen::Vector2d& across, double square_mm, double clear_mm) const {
     const double along_px = PixelsPerMm(corner, along), across_px = PixelsPerMm(corner, across);
     if (!(along_px > 0 && across_px > 0)) return {};
-    const int reach = std::clamp(static_cast<int>(0.35 * square_mm * across_px), kMinReachPx, kMaxReachPx);
+    if (clear_mm * across_px < kMinReachPx && clear_mm < 0.35 * square_mm) return {};
+    const double most_px = std::min(0.35 * square_mm, clear_mm) * across_px;
+    const int reach = std::clamp(static_cast<int>(most_px), kMinReachPx, kMaxReachPx);
     const int profiles = std::max(4, static_cast<int>((kArmTo - kArmFrom) * square_mm * along_px));
     double sum = 0;
     for (const double side : {-1.0, 1.0}) {
@@ -128,7 +131,7 @@ PatternCorners RefineCorners(const GrayImage& image, const Checkerboard& pattern
   const Refiner refiner(image, camera, cam_from_pattern);
   PatternCorners refined;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto pixel = refiner.Refine(corners.pixels[i], pattern.square_mm);
+    const auto pixel = refiner.Refine(corners.pixels[i], pattern.square_mm, pattern.ClearShare() * pattern.square_mm);
     if (!pixel) continue;
     refined.indices.push_back(corners.indices[i]);
     refined.pixels.push_back(*pixel);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace drupe {
@@ -25,11 +26,17 @@ double LargestTilt(const CalibrationResult& result) {
   return largest;
 }
 
+std::string Joined(const CoverageMap& coverage) {
+  std::string text;
+  for (const std::string& part : coverage.WeakParts()) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
 std::vector<Finding> FindWeaknesses(const CalibrationResult& result) {
   using enum CalibrationGrade;
   std::vector<Finding> findings;
-  const auto add = [&](bool poor, bool usable, const char* advice) {
-    if (poor || usable) findings.push_back({poor ? kPoor : kUsable, advice});
+  const auto add = [&](bool poor, bool usable, std::string advice) {
+    if (poor || usable) findings.push_back({poor ? kPoor : kUsable, std::move(advice)});
   };
   const double focal_sigma = result.sigma.fy / result.calibration.camera.fy;
   const double rms = result.calibration.rms_px;
@@ -39,8 +46,8 @@ std::vector<Finding> FindWeaknesses(const CalibrationResult& result) {
   add(focal_sigma > 0.002, focal_sigma > 0.0005, "the focal length is uncertain: tilt the pattern more, come closer");
   add(used < 5, used < 8, "few pictures: take 10 to 20");
   add(tilt < 10, tilt < 20, "the pattern was hardly tilted: tilt it by 30 to 45 degrees in all directions");
-  add(result.coverage < 0.3, result.coverage < 0.6,
-      "much of the picture never showed the pattern: move it to the borders");
+  const double covered = result.coverage.Share();
+  add(covered < 0.3, covered < 0.6, "much of the picture hardly showed the pattern: " + Joined(result.coverage));
   return findings;
 }
 

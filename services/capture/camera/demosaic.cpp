@@ -1,124 +1,211 @@
-#include <algorithm>
-#include <cstring>
+#include "capture/camera/demosaic.h"
 
-#include "capture/camera/raw_frame.h"
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
 
 namespace drupe {
 namespace {
 
-constexpr int kMargin = 2;  // of the filters
+constexpr int kMargin = 8;  // of mirrored pixels: more than all filters together reach
+constexpr int kUnit = 4;    // steps of a grey level in what is computed
 
-/// A mosaic with mirrored borders. Mirroring about a pixel keeps the pattern of colours.
-class PaddedMosaic {
+using Plane = std::vector<std::int16_t>;
+
+/// Mirroring about a pixel keeps the pattern of colours.
+int Mirror(int i, int size) {
+  i = std::abs(i) % (2 * (size - 1));
+  return i < size ? i : 2 * (size - 1) - i;
+}
+
+/// A third, rounded.
+int Third(int value) {
+  return (value * 21845 + 32768) >> 16;
+}
+
+/// The method on one mosaic. All planes have the mosaic's mirrored margin, so that no filter meets a border; how far a
+/// pass goes into it is its argument `reach`.
+class Demosaicer {
  public:
-  explicit PaddedMosaic(const RawFrame& frame) : stride_(frame.width + 2 * kMargin) {
-    pixels_.resize(static_cast<std::size_t>(stride_) * (frame.height + 2 * kMargin));
-    for (int y = -kMargin; y < frame.height + kMargin; ++y) {
-      const std::uint8_t* from = frame.bytes.data() + std::size_t(Mirror(y, frame.height)) * frame.width;
-      std::uint8_t* to = pixels_.data() + std::size_t(y + kMargin) * stride_ + kMargin;
-      std::memcpy(to, from, static_cast<std::size_t>(frame.width));
-      for (int i = 1; i <= kMargin; ++i) to[-i] = from[i], to[frame.width - 1 + i] = from[frame.width - 1 - i];
+  Demosaicer(const std::uint8_t* mosaic, int width, int height, RedPlace red)
+      : width_(width), height_(height), red_(red), stride_(width + 2 * kMargin) {
+    const std::size_t size = static_cast<std::size_t>(stride_) * (height + 2 * kMargin);
+    for (Plane* plane : {&mosaic_, &green_, &red_difference_, &blue_difference_}) plane->resize(size);
+    for (int y = -kMargin; y < height + kMargin; ++y) {
+      const std::uint8_t* from = mosaic + static_cast<std::size_t>(Mirror(y, height)) * width;
+      std::int16_t* to = mosaic_.data() + At(0, y);
+      for (int x = 0; x < width; ++x) to[x] = from[x];
+      for (int x = 1; x <= kMargin; ++x)
+        to[-x] = from[Mirror(-x, width)], to[width - 1 + x] = from[Mirror(width - 1 + x, width)];
     }
   }
 
-  int stride() const { return stride_; }
-  const std::uint8_t* At(int y) const { return pixels_.data() + std::size_t(y + kMargin) * stride_ + kMargin; }
+  void Run() {
+    ChooseGreen();
+    SpreadToGreen(3);
+    SpreadToOpposite(2);
+    SmoothOwn(2);
+    SpreadToGreen(1);
+    SmoothOpposite();
+  }
+
+  void Write(RgbImage& image) const {
+    for (int y = 0; y < height_; ++y) {
+      std::uint8_t* out = image.Row(y);
+      std::size_t i = At(0, y);
+      for (int x = 0; x < width_; ++x, ++i, out += 3) {
+        const int green = green_[i];
+        out[0] = Level(green + red_difference_[i]), out[1] = Level(green), out[2] = Level(green + blue_difference_[i]);
+      }
+    }
+  }
 
  private:
-  static int Mirror(int y, int height) { return y < 0 ? -y : y >= height ? 2 * (height - 1) - y : y; }
-
-  const int stride_;
-  std::vector<std::uint8_t> pixels_;
-};
-
-std::uint8_t Clamp16(int sixteenths) {
-  return static_cast<std::uint8_t>(std::clamp((sixteenths + 8) >> 4, 0, 255));
-}
-
-/// The sums from which all four filters are made, around one pixel. `s` is the stride.
-struct Neighbourhood {
-  int centre, cross, diagonal, far_horizontal, far_vertical, left_right, up_down;
-
-  Neighbourhood(const std::uint8_t* p, int s)
-      : centre(p[0]),
-        cross(p[-1] + p[1] + p[-s] + p[s]),
-        diagonal(p[-s - 1] + p[-s + 1] + p[s - 1] + p[s + 1]),
-        far_horizontal(p[-2] + p[2]),
-        far_vertical(p[-2 * s] + p[2 * s]),
-        left_right(p[-1] + p[1]),
-        up_down(p[-s] + p[s]) {}
-
-  /// Green where red or blue was measured; the other one of red and blue there.
-  std::uint8_t Green() const { return Clamp16(8 * centre + 4 * cross - 2 * (far_horizontal + far_vertical)); }
-  std::uint8_t Opposite() const { return Clamp16(12 * centre + 4 * diagonal - 3 * (far_horizontal + far_vertical)); }
-  /// Where green was measured: the colour whose pixels lie left and right, or above and below.
-  std::uint8_t FromRow() const {
-    return Clamp16(10 * centre + 8 * left_right - 2 * (far_horizontal + diagonal) + far_vertical);
+  std::size_t At(int x, int y) const {
+    return static_cast<std::size_t>(y + kMargin) * stride_ + static_cast<std::size_t>(x + kMargin);
   }
-  std::uint8_t FromColumn() const {
-    return Clamp16(10 * centre + 8 * up_down - 2 * (far_vertical + diagonal) + far_horizontal);
+  static std::uint8_t Level(int value) {
+    return static_cast<std::uint8_t>(std::clamp((value + kUnit / 2) >> 2, 0, 255));
   }
-};
-
-/// Where red lies in the 2 x 2 cell.
-struct RedPlace {
-  int x, y;
-};
-
-RedPlace RedOf(FrameLayout layout) {
-  switch (layout) {
-    case FrameLayout::kBayerGr:
-      return {1, 0};
-    case FrameLayout::kBayerGb:
-      return {0, 1};
-    case FrameLayout::kBayerBg:
-      return {1, 1};
-    default:
-      return {0, 0};
+  bool IsRedRow(int y) const { return (y & 1) == red_.y; }
+  /// The first column >= `from` of the row's pixels behind red or blue.
+  int FirstColoured(int y, int from) const {
+    const int parity = IsRedRow(y) ? red_.x : 1 - red_.x;
+    return from + ((from ^ parity) & 1);
   }
-}
+  /// The difference that is measured in this row, and the other one.
+  Plane& Own(int y) { return IsRedRow(y) ? red_difference_ : blue_difference_; }
+  Plane& Opposite(int y) { return IsRedRow(y) ? blue_difference_ : red_difference_; }
+  /// To the neighbours along the direction chosen at `i`.
+  std::size_t StepAt(std::size_t i) const { return is_horizontal_[i] != 0 ? 1 : static_cast<std::size_t>(stride_); }
 
-void DevelopRow(const PaddedMosaic& mosaic, RedPlace red, int y, RgbImage& image) {
-  const bool red_row = (y & 1) == red.y;
-  const std::uint8_t* in = mosaic.At(y);
-  std::uint8_t* out = image.Row(y);
-  for (int x = 0; x < image.width(); ++x, out += 3) {
-    const Neighbourhood n(in + x, mosaic.stride());
-    const bool red_column = (x & 1) == red.x;
-    const int measured = red_row ? 0 : 2;  // of the row's own colour, the other is 2 - measured
-    if (red_row == red_column) {
-      out[measured] = in[x], out[1] = n.Green(), out[2 - measured] = n.Opposite();
-    } else {
-      out[1] = in[x], out[measured] = n.FromRow(), out[2 - measured] = n.FromColumn();
+  /// The difference of a red or blue pixel to green interpolated along one direction (Hamilton & Adams): `step` is the
+  /// way to the next pixel in it.
+  int DifferenceAlong(std::size_t i, std::size_t step) const {
+    const std::int16_t* p = mosaic_.data() + i;
+    const auto s = static_cast<std::ptrdiff_t>(step);
+    return kUnit * p[0] - (2 * (p[-s] + p[s]) + 2 * p[0] - p[-2 * s] - p[2 * s]);
+  }
+
+  Plane Differences(std::size_t step) const {
+    Plane differences(mosaic_.size());
+    constexpr int kReach = kMargin - 2;
+    for (int y = -kReach; y < height_ + kReach; ++y) {
+      for (int x = FirstColoured(y, -kReach); x < width_ + kReach; x += 2) {
+        const std::size_t i = At(x, y);
+        differences[i] = static_cast<std::int16_t>(DifferenceAlong(i, step));
+      }
+    }
+    return differences;
+  }
+
+  /// How much the differences change along the direction around each pixel: the sum over 5 x 5 steps from one to the
+  /// next but one, which lie evenly about the pixel.
+  Plane Changes(const Plane& differences, std::size_t step) const {
+    const int across = step == 1 ? 3 : 2, down = step == 1 ? 2 : 3;
+    Plane changes(differences.size()), rows(differences.size()), sums(differences.size());
+    for (std::size_t i = 0; i + 2 * step < differences.size(); ++i) {
+      changes[i] = static_cast<std::int16_t>(std::abs(differences[i] - differences[i + 2 * step]) >> 2);
+    }
+    for (std::size_t i = 3; i + 2 < rows.size(); ++i) {
+      const std::int16_t* p = changes.data() + i - across;
+      rows[i] = static_cast<std::int16_t>(p[0] + p[1] + p[2] + p[3] + p[4]);
+    }
+    const auto s = static_cast<std::size_t>(stride_);
+    for (std::size_t i = 3 * s; i + 2 * s < rows.size(); ++i) {
+      const std::int16_t* p = rows.data() + i - down * s;
+      sums[i] = static_cast<std::int16_t>(p[0] + p[s] + p[2 * s] + p[3 * s] + p[4 * s]);
+    }
+    return sums;
+  }
+
+  /// Green, and the own difference, of red and blue pixels: along the direction in which the differences change less.
+  void ChooseGreen() {
+    const Plane across = Differences(1), down = Differences(static_cast<std::size_t>(stride_));
+    const Plane across_changes = Changes(across, 1), down_changes = Changes(down, static_cast<std::size_t>(stride_));
+    is_horizontal_.resize(mosaic_.size());
+    for (std::size_t i = 0; i < mosaic_.size(); ++i) {
+      is_horizontal_[i] = across_changes[i] <= down_changes[i] ? 1 : 0;
+      green_[i] = static_cast<std::int16_t>(kUnit * mosaic_[i]);
+    }
+    for (int y = -4; y < height_ + 4; ++y) {
+      Plane& own = Own(y);
+      for (int x = FirstColoured(y, -4); x < width_ + 4; x += 2) {
+        const std::size_t i = At(x, y);
+        own[i] = is_horizontal_[i] != 0 ? across[i] : down[i];
+        green_[i] = static_cast<std::int16_t>(kUnit * mosaic_[i] - own[i]);
+      }
     }
   }
-}
 
-void CopyRow(const RawFrame& frame, int y, RgbImage& image) {
-  const std::size_t row = static_cast<std::size_t>(y) * frame.width;
-  if (frame.layout == FrameLayout::kRgb) {
-    std::memcpy(image.Row(y), frame.bytes.data() + 3 * row, static_cast<std::size_t>(frame.width) * 3);
-    return;
+  /// Both differences at green pixels, from the two neighbours that have each.
+  void SpreadToGreen(int reach) {
+    const auto s = static_cast<std::size_t>(stride_);
+    for (int y = -reach; y < height_ + reach; ++y) {
+      Plane &in_row = Own(y), &in_column = Opposite(y);
+      for (int x = FirstColoured(y, -reach) == -reach ? 1 - reach : -reach; x < width_ + reach; x += 2) {
+        const std::size_t i = At(x, y);
+        in_row[i] = static_cast<std::int16_t>((in_row[i - 1] + in_row[i + 1]) >> 1);
+        in_column[i] = static_cast<std::int16_t>((in_column[i - s] + in_column[i + s]) >> 1);
+      }
+    }
   }
-  for (int x = 0; x < frame.width; ++x) std::fill_n(image.Row(y) + 3 * x, 3, frame.bytes[row + x]);
-}
+
+  /// Blue at red pixels and red at blue ones: blue less red along the chosen direction.
+  void SpreadToOpposite(int reach) {
+    for (int y = -reach; y < height_ + reach; ++y) {
+      Plane &own = Own(y), &opposite = Opposite(y);
+      for (int x = FirstColoured(y, -reach); x < width_ + reach; x += 2) {
+        const std::size_t i = At(x, y), before = i - StepAt(i), after = i + StepAt(i);
+        const int sum = opposite[before] - own[before] + opposite[after] - own[after];
+        opposite[i] = static_cast<std::int16_t>(own[i] + (sum >> 1));
+      }
+    }
+  }
+
+  /// Smooths the own difference of red and blue pixels along the chosen direction; green follows.
+  void SmoothOwn(int reach) {
+    for (int y = -reach; y < height_ + reach; ++y) {
+      Plane& own = Own(y);
+      for (int x = FirstColoured(y, -reach); x < width_ + reach; x += 2) {
+        const std::size_t i = At(x, y), step = StepAt(i);
+        const int before = own[i];
+        own[i] = static_cast<std::int16_t>(Third(own[i - step] + before + own[i + step]));
+        green_[i] = static_cast<std::int16_t>(kUnit * mosaic_[i] - own[i]);
+        Opposite(y)[i] = static_cast<std::int16_t>(Opposite(y)[i] + own[i] - before);  // keeps blue as it is
+      }
+    }
+  }
+
+  /// The same with blue less red.
+  void SmoothOpposite() {
+    for (int y = 0; y < height_; ++y) {
+      Plane &own = Own(y), &opposite = Opposite(y);
+      for (int x = FirstColoured(y, 0); x < width_; x += 2) {
+        const std::size_t i = At(x, y), before = i - StepAt(i), after = i + StepAt(i);
+        const int sum = opposite[before] - own[before] + opposite[i] - own[i] + opposite[after] - own[after];
+        opposite[i] = static_cast<std::int16_t>(own[i] + Third(sum));
+      }
+    }
+  }
+
+  const int width_, height_;
+  const RedPlace red_;
+  const int stride_;
+  Plane mosaic_;  ///< grey levels; the rest in units of a quarter of one
+  Plane green_;
+  Plane red_difference_, blue_difference_;   ///< red less green, blue less green
+  std::vector<std::uint8_t> is_horizontal_;  ///< the direction chosen at each pixel
+};
 
 }  // namespace
 
-Result<RgbImage> DevelopFrame(const RawFrame& frame) {
-  const int samples = frame.layout == FrameLayout::kRgb ? 3 : 1;
-  const std::size_t expected = std::size_t(std::max(frame.width, 0)) * std::max(frame.height, 0) * samples;
-  if (frame.width < 4 || frame.height < 4 || frame.bytes.size() != expected) {
-    return Internal("bad_frame", "a frame of " + std::to_string(frame.width) + "x" + std::to_string(frame.height) +
-                                     " has " + std::to_string(frame.bytes.size()) + " bytes");
-  }
-  RgbImage image(frame.width, frame.height, 3);
-  if (samples == 3 || frame.layout == FrameLayout::kMono) {
-    for (int y = 0; y < frame.height; ++y) CopyRow(frame, y, image);
-    return image;
-  }
-  const PaddedMosaic mosaic(frame);
-  for (int y = 0; y < frame.height; ++y) DevelopRow(mosaic, RedOf(frame.layout), y, image);
+RgbImage Demosaic(const std::uint8_t* mosaic, int width, int height, RedPlace red) {
+  RgbImage image(width, height, 3);
+  Demosaicer demosaicer(mosaic, width, height, red);
+  demosaicer.Run();
+  demosaicer.Write(image);
   return image;
 }
 

@@ -22,11 +22,8 @@ struct RawFrame {
   std::chrono::steady_clock::time_point received;  ///< of its first packet, by ours
 };
 
-/// The frame in colour. Mosaics are interpolated by the filters of Malvar, He and Cutler ("High-quality linear
-/// interpolation for demosaicing of Bayer-patterned color images", ICASSP 2004): each missing colour is the mean of its
-/// neighbours, corrected by the Laplacian of the colour that was measured there. Linear and shift-invariant, so edges
-/// do not move, as switching methods make them; at the border pixels are mirrored. Errors: 500 `bad_frame` when the
-/// bytes are not as many as the size says.
+/// The frame in colour; mosaics are interpolated (Demosaic). Errors: 500 `bad_frame` when the bytes are not as many as
+/// the size says.
 Result<RgbImage> DevelopFrame(const RawFrame& frame);
 
 }  // namespace drupe
