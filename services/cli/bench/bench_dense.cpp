@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "cli/bench/bench.h"
 #include "cli/bench/dense_truth.h"
+#include "cli/bench/openmvs_peer.h"
 #include "cli/bench/pmvs_peer.h"
 #include "cli/bench/text_table.h"
 #include "image/decode.h"
@@ -73,6 +74,28 @@ Result<PointCloud> RunDenseOn(const TruthSet& set, const SparseModel& model, con
   return cloud;
 }
 
+using RunPeerCloud = Result<PeerCloud> (*)(const TruthSet& set, const SparseModel& model, const std::string& directory,
+                                           int threads);
+
+/// A line for each other program that is on the machine, from our poses; their files go below `work`.
+Status AddPeers(const TruthSet& set, const SparseModel& model, const Sim3& truth_from_model, const std::string& work,
+                int threads, std::vector<std::vector<std::string>>* rows) {
+  struct Peer {
+    std::string folder, method;
+    bool present;
+    RunPeerCloud run;
+  };
+  const std::vector<Peer> peers = {{"pmvs2", "pmvs2, level 1 csize 2", FindProgram("pmvs2").has_value(), RunPmvs},
+                                   {"openmvs", "OpenMVS, half resolution", HasOpenMvs(), RunOpenMvs}};
+  for (const Peer& peer : peers) {
+    if (!peer.present) continue;
+    DRUPE_ASSIGN_OR_RETURN(const PeerCloud made, peer.run(set, model, work + "/" + peer.folder, threads));
+    const Cost cost{made.run.cpu_s, made.run.wall_s, made.run.peak_mb};
+    DRUPE_RETURN_IF_ERROR(AddRow(set, truth_from_model, peer.method, cost, made.cloud, rows));
+  }
+  return Status::Ok();
+}
+
 Status BenchSet(const std::string& directory, const Arguments& arguments) {
   DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
   RunContext context;
@@ -94,11 +117,9 @@ Status BenchSet(const std::string& directory, const Arguments& arguments) {
     DRUPE_ASSIGN_OR_RETURN(const PointCloud cloud, RunDenseOn(set, sparse.model, dense_options, context, &cost));
     DRUPE_RETURN_IF_ERROR(AddRow(set, poses.truth_from_model, name, cost, cloud, &rows));
   }
-  if (!arguments.no_peers && FindProgram("pmvs2")) {
-    DRUPE_ASSIGN_OR_RETURN(const PeerCloud peer, RunPmvs(set, sparse.model, arguments.work + "/" + set.name + "/pmvs2",
-                                                         context.ThreadCount()));
-    const Cost cost{peer.run.cpu_s, peer.run.wall_s, peer.run.peak_mb};
-    DRUPE_RETURN_IF_ERROR(AddRow(set, poses.truth_from_model, "pmvs2, level 1 csize 2", cost, peer.cloud, &rows));
+  if (!arguments.no_peers) {
+    DRUPE_RETURN_IF_ERROR(AddPeers(set, sparse.model, poses.truth_from_model, arguments.work + "/" + set.name,
+                                   context.ThreadCount(), &rows));
   }
   const std::string table =
       FormatTextTable({"stage", "CPU s", "wall s", "peak MB", "points", "on fruit", "median mm", "p95 mm", "> 0.3 mm %",
@@ -122,8 +143,8 @@ void AddDenseBench(CLI::App& bench, int& exit_code) {
       "Time, memory and points of the sparse and the dense model (paper Table 3), and the cloud's error against the\n"
       "true skin: median, 95th percentile, share above 0.3 mm; completeness: share of the skin that three views face\n"
       "and that has a point within 0.10 and 0.20 mm ('visible': of the skin that no other fruit hides); and the 68th\n"
-      "percentile of error by expected error, 1 when the cloud's own estimate is right. Where pmvs2 is on PATH, the\n"
-      "same of it, from our poses.");
+      "percentile of error by expected error, 1 when the cloud's own estimate is right. The same of pmvs2 and of\n"
+      "OpenMVS (InterfaceCOLMAP, DensifyPointCloud), from our poses, where they are on PATH.");
   command->add_option("SET_DIR", arguments->sets, "Sets with images/, calibration.json, truth.json and surface.ply")
       ->required();
   command->add_option("--work", arguments->work, "Where the peers' files go")->capture_default_str();

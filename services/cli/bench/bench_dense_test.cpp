@@ -2,7 +2,6 @@
 
 #include "base/files.h"
 #include "cli/bench/dense_truth.h"
-#include "cli/bench/pmvs_peer.h"
 #include "scene/ply.h"
 
 namespace drupe {
@@ -58,15 +57,6 @@ TEST(CompareCloud, SeesWhatIsMissing) {
   EXPECT_LT(errors->points, all * 6 / 10);
   EXPECT_NEAR(errors->complete_010_pct, 50, 5);
   EXPECT_EQ(errors->error_over_expected, 0);
-}
-
-TEST(PmvsPeer, ReadsTheCloudThatItWrites) {
-  const Result<PointCloud> cloud = ReadAsciiPositions(
-      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nend_header\n1 2 3 0 0 1\n-4.5 5 6e-1 0 1 0\n");
-  ASSERT_TRUE(cloud.ok());
-  ASSERT_EQ(cloud->size(), 2u);
-  EXPECT_EQ(cloud->positions[1], Eigen::Vector3f(-4.5f, 5, 0.6f));
-  EXPECT_FALSE(ReadAsciiPositions("ply\nformat ascii 1.0\n").ok());
 }
 
 }  // namespace

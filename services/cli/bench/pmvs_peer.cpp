@@ -1,27 +1,15 @@
 #include "cli/bench/pmvs_peer.h"
 
 #include <cstdio>
-#include <filesystem>
-#include <sstream>
 
 #include "base/files.h"
-#include "image/decode.h"
-#include "reconstruction/dense/view_pyramid.h"
+#include "cli/bench/ply_positions.h"
 
 namespace drupe {
 
 namespace {
 
 constexpr std::size_t kMostPlyBytes = std::size_t{1} << 30;
-
-Result<RgbImage> LoadPicture(const TruthSet& set, const std::string& name) {
-  for (const SourceImage& image : set.input.images) {
-    if (image.name != name) continue;
-    DRUPE_ASSIGN_OR_RETURN(const std::string bytes, image.read());
-    return DecodeRgb(bytes, set.input.limits);
-  }
-  return InvalidArgument("bad_truth", "there is no picture " + name, "images");
-}
 
 std::string Ppm(const RgbImage& picture) {
   std::string ppm = "P6\n" + std::to_string(picture.width()) + " " + std::to_string(picture.height()) + "\n255\n";
@@ -48,12 +36,10 @@ std::string Projection(const PinholeCamera& camera, const Rigid3& cam_from_world
 
 Status WriteView(const TruthSet& set, const SparseModel& model, const View& view, const std::string& directory,
                  int number) {
-  DRUPE_ASSIGN_OR_RETURN(const RgbImage picture, LoadPicture(set, view.image));
-  dense::DenseView flat;
-  dense::BuildPyramid(picture, model.camera, {0, 0, picture.width(), picture.height()}, 1, &flat);
+  DRUPE_ASSIGN_OR_RETURN(const RgbImage picture, FlatPicture(set, model, view));
   char name[32];
   std::snprintf(name, sizeof name, "%08d", number);
-  DRUPE_RETURN_IF_ERROR(WriteFileAtomically(directory + "/visualize/" + name + ".ppm", Ppm(flat.rgb)));
+  DRUPE_RETURN_IF_ERROR(WriteFileAtomically(directory + "/visualize/" + name + ".ppm", Ppm(picture)));
   return WriteFileAtomically(directory + "/txt/" + name + ".txt", Projection(model.camera, *view.cam_from_world));
 }
 
@@ -65,27 +51,8 @@ std::string Options(int views, int threads) {
 
 }  // namespace
 
-Result<PointCloud> ReadAsciiPositions(const std::string& text) {
-  std::istringstream stream(text);
-  std::string line;
-  while (std::getline(stream, line) && line.rfind("end_header", 0) != 0) {
-  }
-  if (!stream) return Unprocessable("bad_ply", "the header does not end");
-  PointCloud cloud;
-  while (std::getline(stream, line)) {
-    Eigen::Vector3f position;
-    if (std::sscanf(line.c_str(), "%f %f %f", &position.x(), &position.y(), &position.z()) != 3) continue;
-    if (position.allFinite()) cloud.positions.push_back(position);
-  }
-  return cloud;
-}
-
 Result<PeerCloud> RunPmvs(const TruthSet& set, const SparseModel& model, const std::string& directory, int threads) {
-  for (const char* folder : {"visualize", "txt", "models"}) {
-    std::error_code error;
-    std::filesystem::create_directories(directory + "/" + folder, error);
-    if (error) return InvalidArgument("bad_output", "cannot create " + directory + ": " + error.message(), "--work");
-  }
+  DRUPE_RETURN_IF_ERROR(MakeFolders(directory, {"visualize", "txt", "models"}));
   int views = 0;
   for (const View& view : model.views) {
     if (view.cam_from_world) DRUPE_RETURN_IF_ERROR(WriteView(set, model, view, directory, views++));
@@ -96,7 +63,7 @@ Result<PeerCloud> RunPmvs(const TruthSet& set, const SparseModel& model, const s
   DRUPE_ASSIGN_OR_RETURN(peer.run, RunPeer({"pmvs2", directory + "/", "option"}, log));
   const Result<std::string> ply = ReadFile(directory + "/models/option.ply", kMostPlyBytes);
   if (peer.run.exit_code != 0 || !ply.ok()) return Internal("peer_failed", "pmvs2 failed; see " + log);
-  DRUPE_ASSIGN_OR_RETURN(peer.cloud, ReadAsciiPositions(*ply));
+  DRUPE_ASSIGN_OR_RETURN(peer.cloud, ReadPlyPositions(*ply));
   return peer;
 }
 
