@@ -10,6 +10,7 @@
 #include "capture/routes.h"
 #include "http/request.h"
 #include "http/response.h"
+#include "http/text_body.h"
 #include "jobs/sql/sql_job_store.h"
 #include "jobs/sqlite/database.h"
 #include "store/disk_object_store.h"
@@ -18,22 +19,6 @@ namespace drupe {
 namespace {
 
 namespace fs = std::filesystem;
-
-class TextBody : public BodyReader {
- public:
-  explicit TextBody(std::string text) : text_(std::move(text)) {}
-  std::uint64_t length() const override { return text_.size(); }
-  std::uint64_t remaining() const override { return text_.size() - position_; }
-  Result<std::size_t> Read(std::span<char> buffer) override {
-    const std::size_t count = text_.copy(buffer.data(), buffer.size(), position_);
-    position_ += count;
-    return count;
-  }
-
- private:
-  std::string text_;
-  std::size_t position_ = 0;
-};
 
 std::string Part(const std::string& disposition, const std::string& content) {
   return "--B\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + content + "\r\n";
@@ -65,10 +50,13 @@ class CaptureServiceTest : public ::testing::Test {
     auto jobs = OpenJobStore(*database_);
     ASSERT_TRUE(jobs.ok());
     jobs_ = std::move(*jobs);
-    AddCaptureRoutes(router_, {*objects_, *jobs_, cameras_, Limits{}, "", "http://127.0.0.1:8082"});
+    auto calibrations = CalibrationStore::Open(*database_);
+    ASSERT_TRUE(calibrations.ok());
+    calibrations_ = std::move(*calibrations);
+    AddCaptureRoutes(router_, {*objects_, *jobs_, cameras_, *calibrations_, Limits{}, "", "http://127.0.0.1:8082"});
   }
   void TearDown() override {
-    jobs_.reset();
+    jobs_.reset(), calibrations_.reset();
     database_.reset();
     fs::remove_all(directory_);
   }
@@ -105,7 +93,7 @@ class CaptureServiceTest : public ::testing::Test {
   /// Runs the jobs until `id` has ended.
   void Work(const std::string& id) {
     JobRunner runner(*jobs_, {});
-    runner.Handle(kCalibrateKind, CalibrationJob(*objects_, Limits{}), CalibrationStages());
+    runner.Handle(kCalibrateKind, CalibrationJob(*objects_, *calibrations_, Limits{}), CalibrationStages());
     ASSERT_TRUE(runner.Start().ok());
     for (int i = 0; i < 600 && !IsTerminal(jobs_->Get(id)->state); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -116,12 +104,14 @@ class CaptureServiceTest : public ::testing::Test {
   std::unique_ptr<ObjectStore> objects_;
   std::unique_ptr<SqliteDatabase> database_;
   std::unique_ptr<JobStore> jobs_;
+  std::unique_ptr<CalibrationStore> calibrations_;
   CameraDirectory cameras_;
   Router router_;
 };
 
 TEST_F(CaptureServiceTest, CalibratesFromAnUpload) {
-  std::string form = PatternPart() + ImagePart("broken.jpg", "\xFF\xD8\xFF\xE0 nothing");
+  std::string form = PatternPart() + Part("name=\"camera\"", R"({"serial": "S1", "lens": "25 mm"})");
+  form += ImagePart("broken.jpg", "\xFF\xD8\xFF\xE0 nothing");
   for (int i = 0; i < 5; ++i) form += ImagePart(std::to_string(i) + ".jpg", SamplePicture(i));
   form += "--B--\r\n";
   const Response accepted = Call("POST", "/calibrations", form, "key-1");
@@ -141,6 +131,12 @@ TEST_F(CaptureServiceTest, CalibratesFromAnUpload) {
   EXPECT_EQ(done["refused_images"][0]["code"], "bad_image");
   EXPECT_EQ(done["result"]["pictures"].size(), 5U);
   EXPECT_NEAR(done["result"]["calibration"]["K"][0][0].get<double>() / 1886.2034, 1, 1e-3);
+  const std::string own_id = done["calibration_id"];
+  EXPECT_EQ(own_id, CalibrationId(done["result"]["calibration"], {"S1", "25 mm"}));
+  EXPECT_EQ(CallJson("/calibrations/" + own_id)["id"], id);
+  EXPECT_EQ(done["camera"]["serial"], "S1");
+  EXPECT_EQ(Call("GET", "/calibrations/" + own_id + "/coverage.png").content_type, "image/png");
+  EXPECT_EQ(Call("GET", "/calibrations/" + own_id + "/calibration.json").status, 200);
   const Response file = Call("GET", "/calibrations/" + id + "/calibration.json");
   EXPECT_EQ(file.status, 200);
   ASSERT_NE(file.source, nullptr);
@@ -171,6 +167,7 @@ TEST_F(CaptureServiceTest, RefusesBadForms) {
   EXPECT_EQ(PostError(three + ImagePart("a.jpg", picture), 400), "duplicate_name");
   EXPECT_EQ(PostError(ImagePart("../../etc/passwd", picture), 400), "invalid_name");
   EXPECT_EQ(PostError(three + PatternPart("{\"pattern\": \"charuco\"}"), 400), "invalid_pattern");
+  EXPECT_EQ(PostError(three + PatternPart() + Part("name=\"camera\"", "{\"serial\": 3}"), 400), "invalid_option");
   EXPECT_EQ(PostError(three + PatternPart("{"), 400), "invalid_json");
   EXPECT_EQ(PostError(three + PatternPart(std::string(5000, ' ')), 413), "json_too_large");
   EXPECT_EQ(PostError(Part("name=\"board\"", "{}"), 400), "unknown_part");

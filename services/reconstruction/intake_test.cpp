@@ -7,9 +7,10 @@
 
 #include "base/ids.h"
 #include "http/request.h"
+#include "http/text_body.h"
+#include "jobs/sqlite/database.h"
 #include "reconstruction/image_sets.h"
 #include "reconstruction/reconstruct_request.h"
-#include "jobs/sqlite/database.h"
 #include "store/disk_object_store.h"
 
 namespace drupe {
@@ -30,23 +31,6 @@ const std::string kSmall = FromHex(
 const std::string kWide = FromHex(
     "89504e470d0a1a0a0000000d4948445200000002000000010800000000d14920560000000b49444154789c63e0e40400001e"
     "0013eb1972250000000049454e44ae426082");
-
-class TextBody : public BodyReader {
- public:
-  explicit TextBody(std::string text) : text_(std::move(text)) {}
-  std::uint64_t length() const override { return text_.size(); }
-  std::uint64_t remaining() const override { return text_.size() - position_; }
-  Result<std::size_t> Read(std::span<char> buffer) override {
-    const std::size_t count = std::min(buffer.size(), text_.size() - position_);
-    text_.copy(buffer.data(), count, position_);
-    position_ += count;
-    return count;
-  }
-
- private:
-  std::string text_;
-  std::size_t position_ = 0;
-};
 
 class IntakeTest : public testing::Test {
  protected:

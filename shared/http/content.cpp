@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <charconv>
 
+#include "http/text.h"
+
 namespace drupe {
 
 namespace {
-
-std::string_view Trim(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
 
 /// A decimal number that fills `text`; nothing for anything else, overflow included.
 std::optional<std::uint64_t> ParseNumber(std::string_view text) {

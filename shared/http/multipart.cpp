@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "http/text.h"
+
 namespace drupe {
 
 namespace {
@@ -13,18 +15,6 @@ constexpr std::size_t kReadBytes = 64 << 10;
 
 Status Malformed(std::string_view why) {
   return InvalidArgument("invalid_multipart", "the multipart body is malformed: " + std::string(why));
-}
-
-std::string_view Trim(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
 }
 
 /// Takes one parameter value, quoted or not, from the front of `rest`; nothing when a quote is not closed. A backslash

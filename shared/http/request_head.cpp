@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "http/router.h"
+#include "http/text.h"
 
 namespace drupe {
 
@@ -32,18 +33,6 @@ bool IsVisible(char c) {
 
 bool IsFieldChar(char c) {
   return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
-}
-
-std::string_view Trim(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
 }
 
 /// Takes the text up to CR LF from the front of `text`.

@@ -6,11 +6,11 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
-#include <sstream>
 
 #include "base/files.h"
 #include "base/ids.h"
 #include "scene/small_model.h"
+#include "scene/words.h"
 #include "scene/zip_writer.h"
 
 namespace drupe {
@@ -43,16 +43,6 @@ std::map<std::string, std::string> ReadZip(const std::string& zip) {
     at += 46 + name_size;
   }
   return files;
-}
-
-std::vector<std::vector<std::string>> Words(const std::string& text) {
-  std::vector<std::vector<std::string>> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    lines.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
-  }
-  return lines;
 }
 
 TEST(ZipWriterTest, CrcIsTheStandardOne) {

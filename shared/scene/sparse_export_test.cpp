@@ -3,23 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <sstream>
 
 #include "scene/cameras_json.h"
 #include "scene/small_model.h"
+#include "scene/words.h"
 
 namespace drupe {
 namespace {
-
-std::vector<std::vector<std::string>> Words(const std::string& text) {
-  std::vector<std::vector<std::string>> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    lines.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
-  }
-  return lines;
-}
 
 TEST(SparsePlyTest, NominalHoldsPositionsAndColours) {
   const std::string ply = SparsePly(SmallModel());
