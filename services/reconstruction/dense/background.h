@@ -12,7 +12,8 @@
 namespace drupe::dense {
 
 /// The colours of the background: those that are frequent along the edges of the pictures and rare where tracks were
-/// found. Empty, so that nothing counts as background, when the two cannot be told apart.
+/// found; before black cloth also all that are nearly as black, which its folds are, tracks or not. Empty, so that
+/// nothing counts as background, when the two cannot be told apart.
 class BackgroundColours {
  public:
   BackgroundColours() = default;
@@ -28,29 +29,5 @@ class BackgroundColours {
  private:
   std::vector<std::uint8_t> table_;  ///< a flag for every sRGB colour at five bits a channel
 };
-
-/// What a picture shows of the background: the region of background colours that reaches its rim, in blocks of pixels.
-/// A highlight or a dark spot on the fruit may have the background's colour, but the fruit surrounds it.
-class Silhouette {
- public:
-  Silhouette() = default;  ///< nothing is background
-  Silhouette(const RgbImage& picture, const BackgroundColours& colours);
-
-  /// For a pixel of the finest level; false outside the picture.
-  bool IsBackground(double u, double v) const;
-
- private:
-  int block_ = 1, cols_ = 0, rows_ = 0;
-  std::vector<std::uint8_t> background_;  ///< [row * cols + col]
-};
-
-/// One silhouette a view. Those of views whose background is not recognised call nothing background.
-std::vector<Silhouette> FindSilhouettes(const SparseModel& model, const RegionOfInterest& region,
-                                        const std::vector<DenseView>& views);
-
-/// True when a point lies outside the fruit's outline in too many of the views: the visual hull (Laurentini 1994) with
-/// some tolerance for wrong silhouettes. At most about 18 views are asked, spread evenly.
-bool IsOutsideHull(const std::vector<DenseView>& views, const std::vector<Silhouette>& silhouettes,
-                   const Eigen::Vector3d& point);
 
 }  // namespace drupe::dense

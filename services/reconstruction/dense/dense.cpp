@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "reconstruction/dense/cloud_assembly.h"
 #include "reconstruction/dense/epipolar_seeds.h"
+#include "reconstruction/dense/exchange.h"
 #include "reconstruction/dense/expansion.h"
 #include "reconstruction/dense/point_colours.h"
 #include "reconstruction/dense/prediction.h"
@@ -53,6 +54,7 @@ Status SmoothMaps(const RunContext& run, const SurfaceFitSettings& settings, std
 
 /// What every level above the finest goes through after its patches were found.
 Status Consolidate(const RunContext& run, LevelState* state) {
+  DRUPE_RETURN_IF_ERROR(ExchangePatches(state->context, run, &state->maps));
   DRUPE_RETURN_IF_ERROR(FilterByVisibility(state->context, run, &state->maps));
   DRUPE_RETURN_IF_ERROR(BorrowFromNeighbours(state->context, run, &state->maps));
   return SmoothMaps(run, FitSettings(*state->context.scene->options, kFitRadius), &state->maps);

@@ -7,12 +7,6 @@
 
 namespace drupe::dense {
 
-/// A first guess of a patch.
-struct PatchGuess {
-  int cell = 0;  ///< index in PatchMap::cells
-  PatchCell plane;
-};
-
 /// Guesses from the sparse tracks that `reference` is likely to see, several normals for each.
 std::vector<PatchGuess> SeedGuesses(const LevelContext& context, int reference, const PatchMap& map);
 

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "reconstruction/dense/background.h"
 #include "reconstruction/dense/dense.h"
 #include "reconstruction/dense/patch_map.h"
 #include "reconstruction/dense/patch_refiner.h"
 #include "reconstruction/dense/region_of_interest.h"
+#include "reconstruction/dense/silhouette.h"
 #include "reconstruction/dense/view_pyramid.h"
 
 namespace drupe::dense {

@@ -19,6 +19,12 @@ struct PatchCell {
   bool Filled() const { return ncc > 0; }
 };
 
+/// A first guess of a patch.
+struct PatchGuess {
+  int cell = 0;  ///< index in PatchMap::cells
+  PatchCell plane;
+};
+
 /// The patches of one reference view at one level, one a cell of csize x csize pixels.
 struct PatchMap {
   int level = 0, csize = 1;

@@ -9,20 +9,17 @@ namespace drupe::dense {
 
 namespace {
 
-constexpr double kRadius = 12;
-const Eigen::Vector3d kBallCentre(0, 0, 25);
-
 std::optional<Eigen::Vector3d> HitBall(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d unit = direction.normalized(), to_centre = kBallCentre - origin;
   const double along = unit.dot(to_centre);
-  const double half_chord2 = kRadius * kRadius - (to_centre.squaredNorm() - along * along);
+  const double half_chord2 = kBallRadius * kBallRadius - (to_centre.squaredNorm() - along * along);
   if (half_chord2 < 0 || along < 0) return std::nullopt;
   return Eigen::Vector3d(origin + unit * (along - std::sqrt(half_chord2)));
 }
 
 Track MakeTrack(const SparseModel& model, const Eigen::Vector3d& outward, double off) {
   Track track;
-  track.position = kBallCentre + outward * (kRadius + off);
+  track.position = kBallCentre + outward * (kBallRadius + off);
   for (std::size_t view = 0; view < model.views.size(); ++view) {
     const Rigid3& pose = *model.views[view].cam_from_world;
     if (outward.dot((pose.Centre() - track.position).normalized()) < 0.6) continue;

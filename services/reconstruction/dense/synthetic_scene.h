@@ -10,6 +10,10 @@
 
 namespace drupe::dense {
 
+/// The ball of MakeBallScene, in mm.
+const Eigen::Vector3d kBallCentre(0, 0, 25);
+constexpr double kBallRadius = 12;
+
 /// Rendered scenes for the tests of this folder.
 struct SyntheticScene {
   SparseModel model;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "base/parallel.h"
@@ -69,24 +70,15 @@ bool IsConfirmed(const LevelContext& context, int reference, const std::vector<P
 void BorrowFrom(const LevelContext& context, int reference, int neighbour, const std::vector<PatchMap>& maps,
                 PatchMap* filled) {
   constexpr float kSameSurface = 2.0f;  // pixels of parallax
-  const DenseView& view = context.scene->views[reference];
-  const LevelCamera& camera = context.cameras[reference];
-  const PatchMap &own = maps[reference], &other = maps[neighbour];
-  for (std::size_t i = 0; i < other.cells.size(); ++i) {
-    if (!other.cells[i].Filled()) continue;
-    const SurfaceElement element =
-        ElementOf(context, neighbour, other, static_cast<int>(i) % other.cols, static_cast<int>(i) / other.cols);
-    if (FacingNeighbours(*context.scene, reference, element) == 0) continue;
-    PatchCell patch = FromWorld(view, camera, element);
-    const Eigen::Vector2d pixel = camera.Pixel(view.cam_from_world * element.position);
-    const int col = own.CellOf(pixel.x()), row = own.CellOf(pixel.y());
-    if (patch.w <= 0 || !own.Holds(col, row) || own.At(col, row).Filled()) continue;
-    patch.w += static_cast<float>((own.Pixel(col) - pixel.x()) * patch.wu + (own.Pixel(row) - pixel.y()) * patch.wv);
-    patch.ncc = other.cells[i].ncc;
-    patch.sigma = other.cells[i].sigma;
-    PatchCell& cell = filled->At(col, row);
-    const float nearer = (patch.w - cell.w) / own.unit;
-    if (!cell.Filled() || nearer > kSameSurface || (nearer > -kSameSurface && patch.ncc > cell.ncc)) cell = patch;
+  const PatchMap& own = maps[reference];
+  for (std::size_t i = 0; i < maps[neighbour].cells.size(); ++i) {
+    if (!maps[neighbour].cells[i].Filled()) continue;
+    const std::optional<PatchGuess> seen = SeenFrom(context, reference, neighbour, maps, static_cast<int>(i));
+    if (!seen) continue;
+    PatchCell& cell = filled->cells[seen->cell];
+    const float nearer = (seen->plane.w - cell.w) / own.unit;
+    const bool better = nearer > -kSameSurface && seen->plane.ncc > cell.ncc;
+    if (!cell.Filled() || nearer > kSameSurface || better) cell = seen->plane;
   }
 }
 
@@ -101,6 +93,23 @@ void DropUnconfirmed(const LevelContext& context, int reference, const std::vect
 }
 
 }  // namespace
+
+std::optional<PatchGuess> SeenFrom(const LevelContext& context, int reference, int neighbour,
+                                   const std::vector<PatchMap>& maps, int cell) {
+  const PatchMap &own = maps[reference], &other = maps[neighbour];
+  const DenseView& view = context.scene->views[reference];
+  const LevelCamera& camera = context.cameras[reference];
+  const SurfaceElement element = ElementOf(context, neighbour, other, cell % other.cols, cell / other.cols);
+  if (FacingNeighbours(*context.scene, reference, element) == 0) return std::nullopt;
+  PatchCell patch = FromWorld(view, camera, element);
+  const Eigen::Vector2d pixel = camera.Pixel(view.cam_from_world * element.position);
+  const int col = own.CellOf(pixel.x()), row = own.CellOf(pixel.y());
+  if (patch.w <= 0 || !own.Holds(col, row) || own.At(col, row).Filled()) return std::nullopt;
+  patch.w += static_cast<float>((own.Pixel(col) - pixel.x()) * patch.wu + (own.Pixel(row) - pixel.y()) * patch.wv);
+  patch.ncc = other.cells[cell].ncc;
+  patch.sigma = other.cells[cell].sigma;
+  return PatchGuess{row * own.cols + col, patch};
+}
 
 Sight LookAt(const LevelContext& context, int view, const PatchMap& map, const SurfaceElement& element,
              float tolerance) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "reconstruction/dense/level_context.h"
@@ -18,6 +19,11 @@ enum class Sight {
 /// Compares an element with the patches of `view` at the element's projection; `tolerance` in pixels of parallax.
 Sight LookAt(const LevelContext& context, int view, const PatchMap& map, const SurfaceElement& element,
              float tolerance);
+
+/// The patch in a cell of the neighbour's map as the reference would see it, in the cell of the reference's map that it
+/// falls into. Nothing where that cell is filled, or the patch faces away from the reference or from all others.
+std::optional<PatchGuess> SeenFrom(const LevelContext& context, int reference, int neighbour,
+                                   const std::vector<PatchMap>& maps, int cell);
 
 /// Removes patches that other views contradict (PMVS's visibility consistency): kept are those that at least two
 /// other views' patches agree with (one where hardly more can see the place), and a share of those that can see it; no
