@@ -1,7 +1,6 @@
 #include "reconstruction/sparse/distributed_adjustment.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -9,6 +8,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "reconstruction/sparse/banded_cholesky.h"
 #include "reconstruction/sparse/share_elimination.h"
 
 namespace drupe {
@@ -27,10 +27,7 @@ std::optional<Eigen::VectorXd> SolveReduced(const Eigen::MatrixXd& normal, const
     if (solver.info() != Eigen::Success) return std::nullopt;
     return solver.solve(right);
   }
-  const Eigen::SparseMatrix<double> sparse = normal.sparseView();
-  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(sparse);
-  if (solver.info() != Eigen::Success) return std::nullopt;
-  return solver.solve(right);
+  return SolveBanded(normal, right, 6);
 }
 
 /// One adjustment: the shares, and the loop that brings them together.

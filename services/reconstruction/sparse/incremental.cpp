@@ -18,7 +18,8 @@ constexpr double kGlobalGrowth = 1.25;  // everything is adjusted whenever the m
 constexpr double kRetryGrowth = 1.2;    // a failed view is tried again when it sees this many times the tracks
 constexpr double kGateSigmas = 6.0;     // observations farther off than this many sigmas are wrong
 constexpr double kMinGatePx = 1.0;
-constexpr double kMinNoisePx = 0.02;  // a noise below is not believed: it would switch the other kind off
+constexpr double kLossSigmas = 2.385;  // scale of Cauchy's loss that keeps 95 % of the efficiency (Zhang 1997)
+constexpr double kMinNoisePx = 0.02;   // a noise below is not believed: it would switch the other kind off
 
 TriangulationOptions TriangulationFrom(const SparseOptions& options) {
   TriangulationOptions triangulation;
@@ -226,6 +227,7 @@ Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrin
     context.Report("sparse", 0.7 + 0.3 * (round + 1) / rounds);
     noise = EstimateNoise(state);
     adjustment.feature_sigma_px = std::max(kMinNoisePx, noise.feature_px);
+    adjustment.feature_loss_px = std::min(options.feature_loss_px, kLossSigmas * adjustment.feature_sigma_px);
     adjustment.board_sigma_px = std::max(kMinNoisePx, noise.board_px);
     triangulation.max_error_px =
         std::min(options.max_reprojection_error_px, std::max(kMinGatePx, kGateSigmas * noise.feature_px));
