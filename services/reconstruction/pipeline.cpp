@@ -20,10 +20,6 @@ namespace drupe {
 
 namespace {
 
-/// Epipolar lines are off by several pixels while the focal length is a guess. Relative poses are needed to begin with,
-/// so pairs are verified with the guess and a wider tolerance.
-constexpr double kUnknownLensTolerance = 3.0;
-
 /// Of preview.ply: what a browser turns smoothly.
 constexpr std::size_t kPreviewPoints = 50'000;
 
@@ -59,10 +55,12 @@ auto Timed(const char* name, const RunContext& context, Timings& timings, const 
 }
 
 /// Verified pairs, without those that contradict the others.
-Result<MatchGraph> MatchConsistently(const ViewFeatures& views, const ViewClusters& clusters,
-                                     const PinholeCamera& camera, const MatchingOptions& matching,
-                                     const CycleOptions& cycles, const RunContext& context) {
-  DRUPE_ASSIGN_OR_RETURN(MatchGraph graph, RunMatching(views.features, clusters, camera, matching, context));
+Result<MatchGraph> MatchConsistently(const ViewFeatures& views, const ViewClusters& clusters, const StartCamera& start,
+                                     const MatchingOptions& matching, const CycleOptions& cycles,
+                                     const RunContext& context) {
+  const bool is_guess = start.source != IntrinsicsSource::kGiven;
+  DRUPE_ASSIGN_OR_RETURN(MatchGraph graph,
+                         RunMatching(views.features, clusters, start.camera, matching, context, is_guess));
   const int image_count = static_cast<int>(views.features.size());
   DRUPE_RETURN_IF_ERROR(DropInconsistentPairs(image_count, cycles, graph).status());
   return graph;
@@ -93,10 +91,8 @@ Result<Correspondences> FindCorrespondences(const ViewFeatures& views, const Sta
                          }));
   DRUPE_ASSIGN_OR_RETURN(result.clusters, Timed("clusters", context, timings,
                                                 [&] { return RunClusters(graph, options.clusters, context); }));
-  MatchingOptions matching = options.matching;
-  if (start.source != IntrinsicsSource::kGiven) matching.max_error_px *= kUnknownLensTolerance;
   DRUPE_ASSIGN_OR_RETURN(result.matches, Timed("matching", context, timings, [&] {
-                           return MatchConsistently(views, result.clusters, start.camera, matching, options.cycles,
+                           return MatchConsistently(views, result.clusters, start, options.matching, options.cycles,
                                                     context);
                          }));
   const int image_count = static_cast<int>(views.features.size());

@@ -59,6 +59,7 @@ template <typename Visitor>
 void Visit(Visitor& visit, MatchingOptions& o) {
   visit("max_ratio", o.max_ratio);
   visit("max_error_px", o.max_error_px);
+  visit("guessed_lens", o.guessed_lens);
   visit("confidence", o.confidence);
   visit("max_iterations", o.max_iterations);
   visit("min_inliers", o.min_inliers);
@@ -131,6 +132,10 @@ void VisitSections(Section&& section, ReconstructionOptions& o) {
 using ChoiceNames = std::array<const char*, 2>;
 const ChoiceNames& NamesOf(DenseOptions::Scene) {
   static const ChoiceNames names = {"fruit", "all"};
+  return names;
+}
+const ChoiceNames& NamesOf(GuessedLens) {
+  static const ChoiceNames names = {"essential", "fundamental"};
   return names;
 }
 const ChoiceNames& NamesOf(SparseMethod) {

@@ -1,5 +1,6 @@
 #include "reconstruction/matching/epipolar.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +14,29 @@ Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
 
 Eigen::Matrix3d EssentialFromPose(const Rigid3& second_from_first) {
   return CrossMatrix(second_from_first.translation) * second_from_first.rotation;
+}
+
+EpipolarTransfer TransferFromPose(const Rigid3& second_from_first) {
+  return {second_from_first.rotation, second_from_first.translation.normalized()};
+}
+
+EpipolarTransfer TransferFromFundamental(const Eigen::Matrix3d& fundamental, const Rigid3& pose) {
+  // All such homographies are s [e]x F + e v^T (Hartley & Zisserman 2004, section 13.1), and e^T [e]x F = 0: s and v
+  // can be chosen one after the other.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(fundamental, Eigen::ComputeFullU);
+  Eigen::Vector3d epipole = svd.matrixU().col(2);
+  if (epipole.dot(pose.translation) < 0) epipole = -epipole;
+  const Eigen::Matrix3d special = CrossMatrix(epipole) * fundamental;
+  const double scale = special.cwiseProduct(pose.rotation).sum() / special.squaredNorm();
+  return {scale * special + epipole * (epipole.transpose() * pose.rotation), epipole};
+}
+
+double InverseDepthOf(const EpipolarTransfer& transfer, const PointPair& pair) {
+  const Eigen::Vector3d b = pair.second.homogeneous();
+  const Eigen::Vector3d across = b.cross(transfer.epipole);
+  const double squared = across.squaredNorm();
+  if (squared < 1e-14 * b.squaredNorm()) return 0;
+  return -across.dot(b.cross(transfer.at_infinity * pair.first.homogeneous())) / squared;
 }
 
 Eigen::Vector2d DepthsOf(const Rigid3& second_from_first, const PointPair& pair) {

@@ -17,11 +17,11 @@ struct Segment {
 };
 
 /// Nothing when a part of it lies behind the second camera.
-std::optional<Segment> SegmentOf(const Eigen::Vector2d& place, const Rigid3& second_from_first,
+std::optional<Segment> SegmentOf(const Eigen::Vector2d& place, const EpipolarTransfer& transfer,
                                  const GuidedOptions& options) {
-  const Eigen::Vector3d ray = second_from_first.rotation * place.homogeneous();
-  const Eigen::Vector3d far = ray + options.inverse_depth_min * second_from_first.translation;
-  const Eigen::Vector3d near = ray + options.inverse_depth_max * second_from_first.translation;
+  const Eigen::Vector3d ray = transfer.at_infinity * place.homogeneous();
+  const Eigen::Vector3d far = ray + options.inverse_depth_min * transfer.epipole;
+  const Eigen::Vector3d near = ray + options.inverse_depth_max * transfer.epipole;
   if (far.z() < 1e-3 || near.z() < 1e-3) return std::nullopt;
   return Segment{far.hnormalized(), near.hnormalized()};
 }
@@ -52,11 +52,10 @@ class BaselinePencil {
 /// Features of a picture in the order of their half-planes, so that those near an epipolar line are neighbours.
 class PencilOrder {
  public:
-  /// The rays of `places` are turned by `rotation` into the frame of the pencil.
-  PencilOrder(const std::vector<Eigen::Vector2d>& places, const Eigen::Matrix3d& rotation,
-              const BaselinePencil& pencil) {
+  /// The rays of `places` are brought into the frame of the pencil by `into`.
+  PencilOrder(const std::vector<Eigen::Vector2d>& places, const Eigen::Matrix3d& into, const BaselinePencil& pencil) {
     std::vector<double> angles;
-    for (const Eigen::Vector2d& place : places) angles.push_back(pencil.AngleOf(rotation * place.homogeneous()));
+    for (const Eigen::Vector2d& place : places) angles.push_back(pencil.AngleOf(into * place.homogeneous()));
     order_.resize(places.size());
     std::iota(order_.begin(), order_.end(), 0u);
     std::sort(order_.begin(), order_.end(),
@@ -142,14 +141,14 @@ Eigen::Vector3d MeanRay(const std::vector<Eigen::Vector2d>& places) {
 }  // namespace
 
 std::vector<FeatureMatch> MatchGuided(const PreparedPicture& first, const PreparedPicture& second,
-                                      const Rigid3& second_from_first, const GuidedOptions& options) {
+                                      const EpipolarTransfer& transfer, const GuidedOptions& options) {
   if (second.kept.empty()) return {};
-  const BaselinePencil pencil(second_from_first.translation, MeanRay(second.places));
-  const PencilOrder from(first.places, second_from_first.rotation, pencil);
+  const BaselinePencil pencil(transfer.epipole, MeanRay(second.places));
+  const PencilOrder from(first.places, transfer.at_infinity, pencil);
   const PencilOrder to(second.places, Eigen::Matrix3d::Identity(), pencil);
   std::vector<Partner> forward(first.kept.size()), backward(second.kept.size());
   for (std::size_t rank = 0; rank < from.size(); ++rank) {
-    const std::optional<Segment> segment = SegmentOf(from.Place(rank), second_from_first, options);
+    const std::optional<Segment> segment = SegmentOf(from.Place(rank), transfer, options);
     if (!segment) continue;
     const SegmentTest test(*segment, options.max_error);
     const std::uint32_t i = from.Index(rank);

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -37,9 +38,7 @@ Eigen::Matrix3d FitHomography(std::span<const PointPair> pairs) {
 std::vector<PointPair> ExplainedBy(const Eigen::Matrix3d& h, std::span<const PointPair> pairs, double max_error) {
   std::vector<PointPair> explained;
   for (const PointPair& pair : pairs) {
-    const Eigen::Vector3d mapped = h * pair.first.homogeneous();
-    if (std::abs(mapped.z()) < 1e-12) continue;
-    if ((mapped.hnormalized() - pair.second).squaredNorm() < max_error * max_error) explained.push_back(pair);
+    if (SquaredTransfer(h, pair) < max_error * max_error) explained.push_back(pair);
   }
   return explained;
 }
@@ -53,6 +52,19 @@ std::vector<PointPair> Thinned(std::span<const PointPair> pairs) {
 }
 
 }  // namespace
+
+double SquaredTransfer(const Eigen::Matrix3d& homography, const PointPair& pair) {
+  const Eigen::Vector3d mapped = homography * pair.first.homogeneous();
+  if (std::abs(mapped.z()) < 1e-12) return std::numeric_limits<double>::infinity();
+  return (mapped.hnormalized() - pair.second).squaredNorm();
+}
+
+Eigen::Matrix3d RefineHomography(const Eigen::Matrix3d& start, std::span<const PointPair> pairs, double max_error) {
+  const std::vector<PointPair> explained = ExplainedBy(start, pairs, max_error);
+  if (explained.size() < kSample) return start;
+  const Eigen::Matrix3d refined = FitHomography(explained);
+  return ExplainedBy(refined, pairs, max_error).size() < explained.size() ? start : refined;
+}
 
 std::optional<Homography> EstimateHomography(std::span<const PointPair> pairs, double max_error, std::uint64_t seed) {
   const std::vector<PointPair> points = Thinned(pairs);

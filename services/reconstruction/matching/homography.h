@@ -21,6 +21,14 @@ struct Homography {
 /// for fewer than four pairs.
 std::optional<Homography> EstimateHomography(std::span<const PointPair> pairs, double max_error, std::uint64_t seed);
 
+/// Squared distance between where a homography moves a pair's first place and its second one; infinite when it moves it
+/// nowhere.
+double SquaredTransfer(const Eigen::Matrix3d& homography, const PointPair& pair);
+
+/// Least squares over the pairs that `start` explains within max_error; `start` itself when these are fewer than four
+/// or the solution explains fewer.
+Eigen::Matrix3d RefineHomography(const Eigen::Matrix3d& start, std::span<const PointPair> pairs, double max_error);
+
 /// The two relative poses (|translation| = 1) under which a plane gives this homography (Ma, Soatto, Kosecka & Sastry
 /// 2004, section 5.3.3). Points of the plane alone cannot tell which is the real one. Empty for a camera that only
 /// turned.

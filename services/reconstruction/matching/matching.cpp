@@ -9,6 +9,7 @@
 #include "reconstruction/matching/pair_matcher.h"
 #include "reconstruction/matching/prepared_picture.h"
 #include "reconstruction/matching/static_features.h"
+#include "reconstruction/matching/uncalibrated_matcher.h"
 
 namespace drupe {
 namespace {
@@ -62,7 +63,8 @@ Status MatchingOptions::Check() const {
 }
 
 Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
-                               const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context) {
+                               const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context,
+                               bool camera_is_guess) {
   DRUPE_RETURN_IF_ERROR(options.Check());
   DRUPE_RETURN_IF_ERROR(CheckPairs(clusters, features.size()));
   MatchGraph graph;
@@ -73,12 +75,13 @@ Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClu
   }));
   std::vector<std::optional<TwoViewMatches>> matched(clusters.pairs.size());
   const double focal_px = 0.5 * (camera.fx + camera.fy);
+  const auto match = camera_is_guess ? MatchUncalibratedPair : MatchPair;
   std::mutex mutex;
   std::size_t done = 0;  // guarded by mutex
   DRUPE_RETURN_IF_ERROR(ParallelFor(context, clusters.pairs.size(), [&](std::size_t i) {
     const ImagePair& pair = clusters.pairs[i];
     matched[i] =
-        MatchPair(pictures[pair.first], pictures[pair.second], pair, focal_px, options, SeedOf(context.seed, pair));
+        match(pictures[pair.first], pictures[pair.second], pair, focal_px, options, SeedOf(context.seed, pair));
     const std::lock_guard lock(mutex);
     context.Report("matching", static_cast<double>(++done) / static_cast<double>(matched.size()));
   }));

@@ -10,10 +10,16 @@
 
 namespace drupe {
 
+/// What verifies the matches of a pair while the lens is a guess: an essential matrix with the guess, within a
+/// tolerance wide enough for it; or a fundamental one, which asks nothing of the lens, but needs more of the matches to
+/// be right.
+enum class GuessedLens { kEssential, kFundamental };
+
 /// How features of two pictures are matched and the matches verified.
 struct MatchingOptions {
-  double max_ratio = 0.7;      ///< 0..1; H of the paper's table 1: nearest distance over second nearest
-  double max_error_px = 1.5;   ///< > 0; largest distance from the epipolar line (Sampson) of an inlier
+  double max_ratio = 0.7;     ///< 0..1; H of the paper's table 1: nearest distance over second nearest
+  double max_error_px = 1.5;  ///< > 0; largest distance from the epipolar line (Sampson) of an inlier
+  GuessedLens guessed_lens = GuessedLens::kEssential;
   double confidence = 0.9999;  ///< 0..1; RANSAC ends once a better model is less likely than 1 minus this
   int max_iterations = 2'000;  ///< RANSAC samples per pair
   int min_inliers = 20;        ///< pairs with fewer verified matches are dropped
@@ -34,9 +40,10 @@ struct MatchingOptions {
 };
 
 /// Matches every pair of `clusters.pairs` and verifies it: descriptors by ratio and mutual check, then an essential
-/// matrix by a locally optimised RANSAC. All pictures share `camera`, which may be a guess if `max_error_px` allows for
-/// it. Pairs that fail are left out. Errors: 400 `invalid_option`, 400 `invalid_pair`, `cancelled`.
+/// matrix by a locally optimised RANSAC. All pictures share `camera`; where it is a guess, `options.guessed_lens` says
+/// how pairs are verified. Pairs that fail are left out. Errors: 400 `invalid_option`, 400 `invalid_pair`, `cancelled`.
 Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
-                               const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context);
+                               const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context,
+                               bool camera_is_guess = false);
 
 }  // namespace drupe

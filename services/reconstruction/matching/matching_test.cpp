@@ -127,6 +127,27 @@ TEST(MatchingTest, FindsPosesAndMatchesOfATurntable) {
   }
 }
 
+/// A guess of the focal length that is 30 % too long; what is matched is verified without it.
+TEST(MatchingTest, AFundamentalMatrixNeedsNoCalibration) {
+  const TurntableScene scene;
+  const std::vector<Features> features = {scene.See(0), scene.See(1), scene.See(2)};
+  ViewClusters clusters;
+  clusters.pairs = {{0, 1}, {0, 2}, {1, 2}};
+  PinholeCamera guess = scene.camera();
+  guess.fx = guess.fy = 1560;
+  guess.dist = {};
+  MatchingOptions options;
+  options.guessed_lens = GuessedLens::kFundamental;
+  const Result<MatchGraph> graph = RunMatching(features, clusters, guess, options, {}, true);
+  ASSERT_TRUE(graph.ok());
+  ASSERT_EQ(graph->pairs.size(), 3u);
+  for (const TwoViewMatches& pair : graph->pairs) {
+    EXPECT_GT(pair.matches.size(), 380u);
+    for (const FeatureMatch& match : pair.matches) EXPECT_EQ(match.first, match.second);
+    EXPECT_TRUE(pair.calibrated);
+  }
+}
+
 TEST(MatchingTest, GuidedMatchingFindsWhatTheFirstLeftOut) {
   const TurntableScene scene;
   const std::vector<Features> features = {scene.See(0), scene.See(1)};

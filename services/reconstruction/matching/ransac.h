@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <span>
@@ -10,6 +11,13 @@
 #include "reconstruction/matching/epipolar.h"
 
 namespace drupe {
+
+struct RansacOptions {
+  double max_error = 0;  ///< > 0; Sampson distance of an inlier, in the unit of the coordinates
+  double confidence = 0.9999;
+  int max_iterations = 2'000;
+  std::uint64_t seed = 1;
+};
 
 /// `kCount` different numbers below `size`, size >= kCount. Plain remainders: the same on every standard library.
 template <int kCount>

@@ -1,21 +1,14 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "geometry/rigid3.h"
 #include "reconstruction/matching/epipolar.h"
+#include "reconstruction/matching/ransac.h"
 
 namespace drupe {
-
-struct RansacOptions {
-  double max_error = 0;  ///< > 0; Sampson distance of an inlier, in the unit of the coordinates
-  double confidence = 0.9999;
-  int max_iterations = 2'000;
-  std::uint64_t seed = 1;
-};
 
 struct RelativePose {
   Rigid3 second_from_first;  ///< |translation| = 1
