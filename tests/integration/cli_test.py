@@ -3,6 +3,7 @@
 import json
 import pathlib
 import shutil
+import struct
 import subprocess
 import tempfile
 import unittest
@@ -19,25 +20,42 @@ class CliTest(unittest.TestCase):
     def drupe(self, *arguments):
         return subprocess.run([BIN / "drupe", *map(str, arguments)], capture_output=True, text=True, timeout=240, check=False)
 
-    def pictures(self, count):
+    def pictures(self, count, step=1):
         folder = self.directory / "images"
         folder.mkdir()
-        for name, content in sample_images(count):
+        for name, content in sample_images(count, step):
             (folder / name).write_bytes(content)
         return folder
 
     def test_run(self):
         out = self.directory / "out"
-        run = self.drupe("run", self.pictures(12), "--calibration", SAMPLE / "calibration.json", "--board",
-                         SAMPLE / "board.json", "--out", out, "--options", json.dumps(QUICK_OPTIONS))
+        run = self.drupe("run", self.pictures(18, step=2), "--calibration", SAMPLE / "calibration.json", "--board",
+                         SAMPLE / "board.json", "--out", out, "--options", json.dumps(QUICK_OPTIONS), "--mesh")
         self.assertEqual(run.returncode, 0, run.stderr)
+        self.check_mesh((out / "mesh.ply").read_bytes())
         for name in ("cameras.json", "sparse.ply", "dense.ply", "preview.ply", "report.json", "timings.json"):
             self.assertTrue((out / name).is_file(), name)
         cameras = json.loads((out / "cameras.json").read_text())
         self.assertEqual((cameras["unit"], cameras["scale_source"]), ("mm", "board"))
-        self.assertEqual(sum(camera["registered"] for camera in cameras["cameras"]), 12)
+        self.assertEqual(sum(camera["registered"] for camera in cameras["cameras"]), 18)
         self.assertIn("dense", run.stderr, "stages are shown")
         self.assertNotIn("\x1b", run.stderr, "without a terminal, plain lines")
+
+    def check_mesh(self, ply):
+        """Closed, each edge in one triangle either way, and about as large as the fruit."""
+        header, body = ply.split(b"end_header\n", 1)
+        counts = [int(line.split()[2]) for line in header.splitlines() if line.startswith(b"element")]
+        vertices = [struct.unpack_from("<3f", body, 12 * i) for i in range(counts[0])]
+        faces = [struct.unpack_from("<B3I", body, 12 * counts[0] + 13 * i) for i in range(counts[1])]
+        edges = {(face[a], face[b]) for face in faces for a, b in ((1, 2), (2, 3), (3, 1))}
+        self.assertEqual(len(edges), 3 * len(faces))
+        self.assertTrue(all((b, a) in edges for a, b in edges), "the mesh has a hole")
+        volume = 0
+        for _, *corners in faces:
+            (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (vertices[corner] for corner in corners)
+            volume += (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6
+        truth = json.loads((SAMPLE / "truth.json").read_text())["volume_mm3"]
+        self.assertAlmostEqual(volume / truth, 1, delta=0.05)
 
     def corrected_report(self, name, scale):
         """A report with three rain spots and two cracks, as a person has left it."""

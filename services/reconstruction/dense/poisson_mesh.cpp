@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "reconstruction/dense/preview.h"
+#include "reconstruction/dense/unseen_side.h"
 
 namespace drupe {
 
@@ -71,7 +72,10 @@ Result<TriangleMesh> BuildPoissonMesh(const PointCloud& cloud, const RunContext&
     return Unprocessable("no_mesh", "a mesh needs at least 100 points with normals");
   }
   try {
-    const PointCloud points = DecimateCloud(cloud, kMostPoints);
+    PointCloud points = DecimateCloud(cloud, kMostPoints);
+    const PointCloud unseen = dense::GuessUnseenSide(points);
+    points.positions.insert(points.positions.end(), unseen.positions.begin(), unseen.positions.end());
+    points.normals.insert(points.normals.end(), unseen.normals.begin(), unseen.normals.end());
     for (const float extent : {1.5f, 2.0f}) {
       TriangleMesh mesh = Reconstruct(points, extent);
       DRUPE_RETURN_IF_ERROR(context.CheckCancelled());

@@ -25,8 +25,8 @@ TEST(PoissonMesh, ClosesTheSurface) {
   const Result<TriangleMesh> mesh = BuildPoissonMesh(OpenBall(), {});
   ASSERT_TRUE(mesh.ok()) << mesh.status().message();
   EXPECT_TRUE(mesh->IsClosed());
-  EXPECT_NEAR(mesh->Volume() / (4.0 / 3 * std::numbers::pi * 1000), 1, 0.03);
-  EXPECT_NEAR(mesh->Area() / (4 * std::numbers::pi * 100), 1, 0.03);
+  EXPECT_NEAR(mesh->Volume() / (4.0 / 3 * std::numbers::pi * 1000), 1, 0.01);
+  EXPECT_NEAR(mesh->Area() / (4 * std::numbers::pi * 100), 1, 0.01);
 }
 
 TEST(PoissonMesh, IsTheSameEveryTime) {
