@@ -133,6 +133,20 @@ TEST(DenseTest, HighlightsLeaveNoTrace) {
   EXPECT_LT(Percentile(brighter, 0.99), 25);  // the lamp adds up to 190
 }
 
+TEST(DenseTest, ErrorsAreAboutAsLargeAsExpected) {
+  const SyntheticScene scene = GlossyBall();
+  const Result<PointCloud> cloud = RunDense(InputOf(scene), DenseOptions(), RunContext());
+  ASSERT_TRUE(cloud.ok());
+  std::vector<float> ratios;
+  for (std::size_t i = 0; i < cloud->size(); ++i) {
+    const float error = std::abs((cloud->positions[i] - kCentre).norm() - kRadius);
+    ratios.push_back(error / cloud->expected_error[i]);
+  }
+  const float ratio = Percentile(ratios, 0.683);  // 1 where the estimate is right
+  EXPECT_GT(ratio, 0.6f);
+  EXPECT_LT(ratio, 1.6f);
+}
+
 TEST(DenseTest, StopsWhenCancelled) {
   std::atomic<bool> stop = false;
   RunContext context;
