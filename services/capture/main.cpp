@@ -13,8 +13,8 @@
 #include "capture/scan_job.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
-#include "service/job_routes.h"
 #include "service/service_stores.h"
+#include "service/store_keeper.h"
 #include "service/worker.h"
 
 namespace drupe {
@@ -63,15 +63,18 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   CountAttempts(service.metrics(), runner_options);
   JobRunner runner(*stores.jobs, runner_options);
   runner.Handle(kCalibrateKind, CalibrationJob(*stores.objects, options.limits), CalibrationStages());
+  StoreKeeper keeper(stores, KeeperOptions(options, "capture", {}));  // scans and calibrations stay
   if (options.role != Role::kWorker) {
     const CaptureContext context{*stores.objects, *stores.jobs,       cameras,
                                  options.limits,  options.public_url, settings.reconstruction_url};
     AddCaptureRoutes(service.router(), context);
     AddScanRoutes(service.router(), {context, *scans, rig});
-    AddJobRoutes(service.router(), *stores.jobs);
+    AddStoreRoutes(service, stores);
+    keeper.Start();
   }
   WatchStores(service, stores);
   service.OnDrain([&] {
+    keeper.Stop();
     scan_runner.Stop();
     hand_over.Stop();
     runner.Stop();

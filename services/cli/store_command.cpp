@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include "jobs/sql/sql_job_store.h"
 #include "service/open_database.h"
 #include "service/references.h"
+#include "store/object_roots.h"
 #include "store/store_audit.h"
 
 namespace drupe {
@@ -70,16 +72,22 @@ Status AddRoots(const StoreArguments& arguments, const std::string& service, std
 
 // Where a database cannot be read nothing is removed, since what it refers to is not known.
 int Collect(const StoreArguments& arguments) {
-  std::set<std::string> roots;
+  std::set<std::string> roots, asked;
   for (const char* service : kServices) {
     const bool exists = std::filesystem::exists(arguments.data / (std::string(service) + ".db"));
     if (arguments.jobs_url.empty() && !exists) continue;
     if (const Status added = AddRoots(arguments, service, roots); !added.ok()) return Explain(added);
+    asked.insert(service);
   }
-  const std::int64_t since_ms =
-      Clock::System().NowMs() - static_cast<std::int64_t>(arguments.min_age_h * static_cast<double>(kHourMs));
+  // Services of other machines that use these objects have said what they refer to.
+  Result<ObjectRoots> others = ReadRoots(arguments.objects(), asked);
+  if (!others.ok()) return Explain(others.status());
+  roots.merge(others->digests);
+  const std::int64_t now_ns = Clock::System().NowMs() * 1'000'000;
+  const std::int64_t known_ns = others->owners.empty() ? now_ns : std::min(now_ns, others->oldest_ns);
+  const auto min_age_ns = static_cast<std::int64_t>(arguments.min_age_h * static_cast<double>(kHourMs) * 1e6);
   const auto report = CollectGarbage(arguments.objects(), std::move(roots),
-                                     {.unused_since_ns = since_ms * 1'000'000, .dry_run = arguments.dry_run});
+                                     {.unused_since_ns = known_ns - min_age_ns, .dry_run = arguments.dry_run});
   if (!report.ok()) return Explain(report.status());
   std::printf("%s %lld objects of %.1f MB, kept %lld of %.1f MB\n", arguments.dry_run ? "would remove" : "removed",
               static_cast<long long>(report->removed), static_cast<double>(report->removed_bytes) / 1e6,

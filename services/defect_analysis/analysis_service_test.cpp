@@ -157,7 +157,9 @@ class AnalysisServiceTest : public testing::Test {
     client_ = ReconstructionClient::Create(reconstruction_server_->url(), *objects_).value();
     job_.emplace(*client_, *objects_, *index_);
     service_.emplace(*jobs_, *index_, *objects_);
-    server_ = std::make_unique<RunningServer>([&](Router& router) { AddAnalysisRoutes(*service_, "", router); });
+    webhooks_ = std::move(Webhooks::Open(*database_, *jobs_, {}, nullptr).value());
+    server_ =
+        std::make_unique<RunningServer>([&](Router& router) { AddAnalysisRoutes(*service_, *webhooks_, "", router); });
     api_ = Client::Create(server_->url()).value();
   }
   void StartRunner() {
@@ -171,6 +173,7 @@ class AnalysisServiceTest : public testing::Test {
   void Close() {
     runner_.reset();
     server_.reset();
+    webhooks_.reset();
     jobs_.reset();
     database_.reset();
   }
@@ -210,6 +213,7 @@ class AnalysisServiceTest : public testing::Test {
   std::optional<ReconstructionClient> client_;
   std::optional<AnalysisJob> job_;
   std::optional<AnalysisService> service_;
+  std::unique_ptr<Webhooks> webhooks_;
   std::unique_ptr<RunningServer> server_;
   std::optional<Client> api_;
   std::unique_ptr<JobRunner> runner_;

@@ -1,6 +1,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/log.h"
 #include "defect_analysis/analysis_job.h"
@@ -10,8 +11,9 @@
 #include "defect_analysis/train_job.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
-#include "service/job_routes.h"
 #include "service/service_stores.h"
+#include "service/store_keeper.h"
+#include "service/webhooks.h"
 #include "service/worker.h"
 
 namespace drupe {
@@ -26,12 +28,24 @@ struct Analysis {
   std::optional<ReconstructionClient> reconstructions;
   std::optional<AnalysisJob> job;
   std::optional<AnalysisService> service;
+  std::unique_ptr<Webhooks> webhooks;
+  std::optional<StoreKeeper> keeper;
   std::optional<JobRunner> runner;
 };
 
 Status OpenStores(const ServiceOptions& options, Analysis& analysis) {
   DRUPE_ASSIGN_OR_RETURN(analysis.stores, OpenServiceStores(options, "analysis"));
   DRUPE_ASSIGN_OR_RETURN(analysis.index, ReportIndex::Open(*analysis.stores.database));
+  DRUPE_ASSIGN_OR_RETURN(WebhookOptions hooks, ReadWebhookOptions(options));
+  const auto describe = [url = options.public_url](const Job& job) { return DescribeAnalysis(job, url); };
+  DRUPE_ASSIGN_OR_RETURN(analysis.webhooks,
+                         Webhooks::Open(*analysis.stores.database, *analysis.stores.jobs, std::move(hooks), describe));
+  const auto forget = [&analysis](std::int64_t before_ms) {
+    const Status reports = analysis.index->ForgetGone(before_ms);
+    return reports.ok() ? analysis.webhooks->ForgetGone() : reports;
+  };
+  analysis.keeper.emplace(analysis.stores,
+                          KeeperOptions(options, "analysis", {std::string(kAnalyzeKind), kWebhookKind}), forget);
   return Status::Ok();
 }
 
@@ -48,7 +62,11 @@ Status StartWorking(const std::string& reconstruction_url, JobRunnerOptions opti
       AnalysisStages());
   analysis.runner->Handle(std::string(kTrainKind), TrainJob(*analysis.stores.objects, frame.options().limits),
                           TrainStages());
-  frame.OnDrain([&analysis] { analysis.runner->Stop(); });
+  frame.OnDrain([&analysis] {
+    analysis.runner->Stop();
+    analysis.webhooks->Stop();
+  });
+  DRUPE_RETURN_IF_ERROR(analysis.webhooks->Start(WorkerName("webhook")));
   return analysis.runner->Start();
 }
 
@@ -73,10 +91,12 @@ int Main(int argc, char** argv) {
     analysis.service.emplace(*analysis.stores.jobs, *analysis.index, *analysis.stores.objects);
     WatchStores(frame, analysis.stores);
     if (options.role != Role::kWorker) {
-      AddAnalysisRoutes(*analysis.service, options.public_url, frame.router());
-      AddJobRoutes(frame.router(), *analysis.stores.jobs);
+      AddAnalysisRoutes(*analysis.service, *analysis.webhooks, options.public_url, frame.router());
+      AddStoreRoutes(frame, analysis.stores);
       AddModelRoutes(frame.router(),
                      {analysis.service->models(), *analysis.stores.objects, options.limits, options.public_url});
+      analysis.keeper->Start();
+      frame.OnDrain([&analysis] { analysis.keeper->Stop(); });
     }
     if (options.role != Role::kApi) started = StartWorking(reconstruction_url, runner, frame, analysis);
   }

@@ -106,6 +106,19 @@ Status ReportIndex::Add(const ReportEntry& entry) {
   });
 }
 
+Status ReportIndex::ForgetGone(std::int64_t before_ms) {
+  return database_->Transaction(Durability::kProcessDeath, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const auto reports,
+                           database_->Prepare("DELETE FROM reports WHERE created_ms < ? AND NOT EXISTS (SELECT 1 FROM "
+                                              "jobs WHERE jobs.id = reports.job)"));
+    DRUPE_RETURN_IF_ERROR(reports->Bind(before_ms).Run());
+    DRUPE_ASSIGN_OR_RETURN(const auto analyses,
+                           database_->Prepare("DELETE FROM analyses WHERE NOT EXISTS (SELECT 1 FROM jobs WHERE "
+                                              "jobs.id = analyses.job)"));
+    return analyses->Run();
+  });
+}
+
 Result<std::optional<ReportEntry>> ReportIndex::FindByJob(std::string_view job) {
   std::optional<ReportEntry> entry;
   DRUPE_RETURN_IF_ERROR(database_->Transaction(Durability::kProcessDeath, [&]() -> Status {

@@ -53,6 +53,8 @@ class ReportIndex {
 
   /// Adds the report of a job; a job that has one keeps it.
   Status Add(const ReportEntry& entry);
+  /// Forgets the reports made before `before_ms` whose jobs are forgotten.
+  Status ForgetGone(std::int64_t before_ms);
   Result<std::optional<ReportEntry>> FindByJob(std::string_view job);
   /// Reports of current analyses. Errors: 400 `invalid_cursor`.
   Result<ReportPage> List(const ReportQuery& query);

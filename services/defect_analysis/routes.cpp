@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "http/content.h"
+#include "service/job_json.h"
 
 namespace drupe {
 
@@ -50,6 +51,7 @@ Result<DefectClass> ParseGrade(std::string_view name) {
 struct AnalyzeRequest {
   std::string reconstruction;
   Json options = Json::object();
+  std::string webhook;  ///< called when the report is there, or will not be; empty: none
 };
 
 Result<AnalyzeRequest> ParseAnalyzeRequest(const Json& json) {
@@ -60,9 +62,11 @@ Result<AnalyzeRequest> ParseAnalyzeRequest(const Json& json) {
       request.reconstruction = value.get<std::string>();
     } else if (key == "options" && value.is_object()) {
       request.options = value;
-    } else if (key == "reconstruction" || key == "options") {
-      return InvalidArgument("invalid_request",
-                             key + " must be " + (key == "options" ? "an object" : "a reconstruction's id"), key);
+    } else if (key == "webhook" && value.is_string()) {
+      request.webhook = value.get<std::string>();
+    } else if (key == "reconstruction" || key == "options" || key == "webhook") {
+      const char* const wanted = key == "options" ? "an object" : key == "webhook" ? "a URL" : "a reconstruction's id";
+      return InvalidArgument("invalid_request", key + " must be " + wanted, key);
     } else {
       return InvalidArgument("unknown_option", "there is no option " + key, key);
     }
@@ -92,13 +96,15 @@ Result<ReportQuery> ParseReportQuery(const Request& request) {
 
 class AnalysisRoutes {
  public:
-  AnalysisRoutes(AnalysisService& service, std::string public_url)
-      : service_(service), public_url_(std::move(public_url)) {}
+  AnalysisRoutes(AnalysisService& service, Webhooks& webhooks, std::string public_url)
+      : service_(service), webhooks_(webhooks), public_url_(std::move(public_url)) {}
 
   Status Analyze(const Request& request, Response& response) const {
     DRUPE_ASSIGN_OR_RETURN(const Json json, ReadJsonBody(request));
     DRUPE_ASSIGN_OR_RETURN(const AnalyzeRequest analyze, ParseAnalyzeRequest(json));
+    if (!analyze.webhook.empty()) DRUPE_RETURN_IF_ERROR(webhooks_.Check(analyze.webhook));
     DRUPE_ASSIGN_OR_RETURN(const Job job, service_.Analyze(analyze.reconstruction, analyze.options));
+    if (!analyze.webhook.empty()) DRUPE_RETURN_IF_ERROR(webhooks_.Subscribe(job.id, analyze.webhook));
     response.SetHeader("Location", public_url_ + "/reports/" + job.subject);
     response.SetJson(StatusJson(job, public_url_), 202);
     return Status::Ok();
@@ -142,6 +148,7 @@ class AnalysisRoutes {
 
  private:
   AnalysisService& service_;
+  Webhooks& webhooks_;
   const std::string public_url_;
 };
 
@@ -155,8 +162,15 @@ Handler Answering(Answer answer) {
 
 }  // namespace
 
-void AddAnalysisRoutes(AnalysisService& service, const std::string& public_url, Router& router) {
-  const auto routes = std::make_shared<AnalysisRoutes>(service, public_url);
+Json DescribeAnalysis(const Job& job, const std::string& public_url) {
+  Json body = StatusJson(job, public_url);
+  body["event"] = std::string("report.") + JobStateName(job.state);
+  body["error"] = JobErrorJson(job);
+  return body;
+}
+
+void AddAnalysisRoutes(AnalysisService& service, Webhooks& webhooks, const std::string& public_url, Router& router) {
+  const auto routes = std::make_shared<AnalysisRoutes>(service, webhooks, public_url);
   const RouteOptions with_body{.max_body_bytes = kMaxRequestBytes};
   const RouteOptions without_body{.max_body_bytes = 0};
   router.Add("POST", "/analyze", with_body, Answering([routes](const Request& request, Response& response) {

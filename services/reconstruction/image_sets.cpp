@@ -74,6 +74,19 @@ Result<PutOutcome> ImageSetStore::PutImage(std::string_view id, const StoredImag
   return outcome;
 }
 
+Status ImageSetStore::ForgetUnused(std::int64_t before_ms) {
+  const std::string unused =
+      "(SELECT id FROM image_sets WHERE created_ms < ? AND NOT EXISTS (SELECT 1 FROM jobs WHERE jobs.subject = "
+      "image_sets.id))";
+  return database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
+    for (const std::string& from : {"image_set_images WHERE set_id IN " + unused, "image_sets WHERE id IN " + unused}) {
+      DRUPE_ASSIGN_OR_RETURN(const auto remove, database_.Prepare("DELETE FROM " + from));
+      DRUPE_RETURN_IF_ERROR(remove->Bind(before_ms).Run());
+    }
+    return Status::Ok();
+  });
+}
+
 Status ImageSetStore::InsertSet(const ImageSet& set) {
   DRUPE_ASSIGN_OR_RETURN(const auto insert,
                          database_.Prepare("INSERT INTO image_sets (id, created_ms, announced) VALUES (?, ?, ?)"

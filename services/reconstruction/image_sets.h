@@ -51,6 +51,8 @@ class ImageSetStore {
   /// The set of exactly these images (ascending by name). Its id follows from names and digests, so a repeated upload
   /// gives the same set.
   Result<ImageSet> CreateFrom(const std::vector<StoredImage>& images);
+  /// Forgets the sets made before `before_ms` that no job is about.
+  Status ForgetUnused(std::int64_t before_ms);
   /// Errors: 404 `image_set_not_found`.
   Result<ImageSet> Get(std::string_view id);
   /// Adds an image, or replaces the one of that name: sending a picture again corrects it, and sending the same bytes

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "base/log.h"
 #include "http/client.h"
@@ -14,8 +15,9 @@
 #include "reconstruction/prepare_job.h"
 #include "reconstruction/reconstruct_job.h"
 #include "reconstruction/routes.h"
-#include "service/job_routes.h"
 #include "service/service_stores.h"
+#include "service/store_keeper.h"
+#include "service/webhooks.h"
 #include "service/worker.h"
 
 namespace drupe {
@@ -72,6 +74,23 @@ JobRunnerOptions RunnerOptions(const Settings& settings, int workers, const std:
   return options;
 }
 
+/// Forgets image sets, and webhooks, together with the jobs that they belong to.
+StoreKeeper::Forget ForgetWith(Stores& stores, Webhooks& webhooks) {
+  return [&](std::int64_t before_ms) {
+    const Status sets = stores.sets->ForgetUnused(before_ms);
+    return sets.ok() ? webhooks.ForgetGone() : sets;
+  };
+}
+
+/// What a webhook says of a reconstruction.
+Webhooks::Describe DescribeWith(const LinkBase& links) {
+  return [links](const Job& job) {
+    Json body = SummaryJson(job, links);
+    body["event"] = std::string("reconstruction.") + JobStateName(job.state);
+    return body;
+  };
+}
+
 /// The three kinds of work. Announcements have a runner of their own, so that they never wait for a reconstruction, and
 /// so has what is done while pictures arrive, so that it never takes more than its threads.
 class Workers {
@@ -114,24 +133,34 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   const ServiceOptions& options = service.options();
   DRUPE_ASSIGN_OR_RETURN(Stores stores, OpenStores(options, settings));
   DRUPE_ASSIGN_OR_RETURN(const Client analysis, Client::Create(settings.analysis_url));
+  const LinkBase links{options.public_url,
+                       settings.public_analysis_url.empty() ? settings.analysis_url : settings.public_analysis_url};
+  DRUPE_ASSIGN_OR_RETURN(WebhookOptions hooks, ReadWebhookOptions(options));
+  DRUPE_ASSIGN_OR_RETURN(const auto webhooks,
+                         Webhooks::Open(*stores.database, *stores.jobs, std::move(hooks), DescribeWith(links)));
   Workers workers(stores, settings, options.limits, analysis, service.metrics());
+  StoreKeeper keeper(
+      stores, KeeperOptions(options, "reconstruction", {kReconstructKind, kAnnounceKind, kPrepareKind, kWebhookKind}),
+      ForgetWith(stores, *webhooks));
   if (options.role != Role::kWorker) {
-    const std::string& report_url =
-        settings.public_analysis_url.empty() ? settings.analysis_url : settings.public_analysis_url;
-    const RouteContext context{*stores.objects,
-                               *stores.jobs,
-                               *stores.sets,
-                               options.limits,
-                               {options.public_url, report_url},
-                               PrepareWorkers(settings) > 0};
+    const RouteContext context{
+        *stores.objects, *stores.jobs, *stores.sets, options.limits, links, *webhooks, PrepareWorkers(settings) > 0};
     AddReconstructionRoutes(service.router(), context);
     AddImageSetRoutes(service.router(), context);
-    AddJobRoutes(service.router(), *stores.jobs);
+    AddStoreRoutes(service, stores);
+    keeper.Start();
   }
   AddCacheMetrics(service.metrics(), *stores.derived);
   WatchStores(service, stores);
-  service.OnDrain([&] { workers.Stop(); });
-  if (options.role != Role::kApi) DRUPE_RETURN_IF_ERROR(workers.Start());
+  service.OnDrain([&] {
+    keeper.Stop();
+    workers.Stop();
+    webhooks->Stop();
+  });
+  if (options.role != Role::kApi) {
+    DRUPE_RETURN_IF_ERROR(workers.Start());
+    DRUPE_RETURN_IF_ERROR(webhooks->Start(WorkerName("webhook")));
+  }
   exit_code = service.Run();
   return Status::Ok();
 }

@@ -39,6 +39,7 @@ Status LeaveAnnouncement(const Job& job, const ReconstructRequest& request, JobS
   spec.id_prefix = "ann";
   spec.subject = job.id;
   spec.payload = {{"reconstruction", job.id}, {"options", request.analysis_options}};
+  if (!request.webhook.empty()) spec.payload["webhook"] = request.webhook;
   spec.priority = kAnnouncePriority;
   spec.idempotency_key = "announce:" + job.id;
   spec.max_attempts = kAnnounceAttempts;
@@ -91,7 +92,13 @@ Result<Json> AnnounceJob::operator()(const Job& job, const RunContext& context) 
   const std::string id = job.payload.value("reconstruction", "");
   DRUPE_ASSIGN_OR_RETURN(const Job reconstruction, WaitUntilEnded(jobs_, id, context));
   if (reconstruction.state != JobState::kSucceeded) return Json{{"skipped", JobStateName(reconstruction.state)}};
-  const Result<Client::Reply> reply = analysis_.Post("/analyze", job.payload, id);
+  Result<Client::Reply> reply = analysis_.Post("/analyze", job.payload, id);
+  if (!reply.ok() && reply.status().field() == "webhook") {  // the report matters more than the call
+    Log(LogLevel::kWarning, "the analysis service calls no webhook", {{"error", reply.status().ToString()}});
+    Json without = job.payload;
+    without.erase("webhook");
+    reply = analysis_.Post("/analyze", without, id);
+  }
   if (!reply.ok()) {
     Log(LogLevel::kWarning, "the analysis service did not take a reconstruction",
         {{"job", id}, {"error", reply.status().ToString()}});

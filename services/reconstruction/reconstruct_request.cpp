@@ -29,6 +29,13 @@ Status ReadAnalyze(const Json& value, bool& analyze) {
   return Status::Ok();
 }
 
+Status ReadWebhook(const Json& value, std::string& webhook) {
+  if (value.is_null()) return Status::Ok();
+  if (!value.is_string()) return InvalidArgument("invalid_option", "webhook must be a URL", "webhook");
+  webhook = value.get<std::string>();
+  return Status::Ok();
+}
+
 Status ReadOptions(Json options, ReconstructRequest& request) {
   DRUPE_RETURN_IF_ERROR(ReadAnalyze(TakeKey(options, "analyze"), request.analyze));
   const Json analysis = TakeKey(options, "analysis");
@@ -36,6 +43,7 @@ Status ReadOptions(Json options, ReconstructRequest& request) {
     return InvalidArgument("invalid_option", "analysis must be an object", "analysis");
   }
   if (analysis.is_object()) request.analysis_options = analysis;
+  DRUPE_RETURN_IF_ERROR(ReadWebhook(TakeKey(options, "webhook"), request.webhook));
   const Result<ReconstructionOptions> parsed = ParseReconstructionOptions(options);
   if (!parsed.ok()) return parsed.status();
   if (options.is_object()) request.options = std::move(options);
@@ -123,14 +131,16 @@ Result<ReconstructRequest> AnnouncedRequest(const ImageSet& set) {
 }
 
 Json ToPayload(const ReconstructRequest& request) {
-  return {{"image_set", request.image_set},
-          {"images", ToJson(request.images)},
-          {"refused_images", request.refused_images},
-          {"calibration", request.calibration ? ToJson(*request.calibration) : Json()},
-          {"board", request.board ? ToJson(*request.board) : Json()},
-          {"options", request.options},
-          {"analyze", request.analyze},
-          {"analysis_options", request.analysis_options}};
+  Json payload = {{"image_set", request.image_set},
+                  {"images", ToJson(request.images)},
+                  {"refused_images", request.refused_images},
+                  {"calibration", request.calibration ? ToJson(*request.calibration) : Json()},
+                  {"board", request.board ? ToJson(*request.board) : Json()},
+                  {"options", request.options},
+                  {"analyze", request.analyze},
+                  {"analysis_options", request.analysis_options}};
+  if (!request.webhook.empty()) payload["webhook"] = request.webhook;
+  return payload;
 }
 
 Result<ReconstructRequest> FromPayload(const Json& payload) {
@@ -143,6 +153,7 @@ Result<ReconstructRequest> FromPayload(const Json& payload) {
         ApplyDocuments({payload.at("calibration"), payload.at("board"), payload.at("options")}, request));
     request.analyze = payload.at("analyze");
     request.analysis_options = payload.at("analysis_options");
+    request.webhook = payload.value("webhook", "");
   } catch (const Json::exception& error) {
     return Internal("bad_payload", std::string("a stored request is malformed: ") + error.what());
   }

@@ -26,6 +26,7 @@ struct ReconstructRequest {
   Json options = Json::object();  ///< of RunReconstruction, as sent
   bool analyze = true;            ///< let the analysis service make the report
   Json analysis_options = Json::object();
+  std::string webhook;  ///< called when the reconstruction has ended, and when its report has; empty: none
 };
 
 /// The JSON parts of a request; absent ones are null. Calibration and board may be JSON or, for the board, "default".
@@ -33,9 +34,9 @@ struct RequestDocuments {
   Json calibration, board, options;
 };
 
-/// Checks the documents and puts them into `request`. Among the options, "analyze" (boolean) and "analysis" (the
-/// options of the analysis service) are for the service, the others for RunReconstruction. Errors: 400
-/// `invalid_calibration`, `invalid_board`, `invalid_option`, `unknown_option`.
+/// Checks the documents and puts them into `request`. Among the options, "analyze" (boolean), "analysis" (the
+/// options of the analysis service) and "webhook" (a URL, checked by Webhooks::Check) are for the service, the others
+/// for RunReconstruction. Errors: 400 `invalid_calibration`, `invalid_board`, `invalid_option`, `unknown_option`.
 Status ApplyDocuments(const RequestDocuments& documents, ReconstructRequest& request);
 
 /// Reads multipart/form-data: parts `images` and at most one each of `calibration`, `board`, `options`. Pictures are

@@ -5,6 +5,7 @@
 #include "jobs/job_store.h"
 #include "reconstruction/image_sets.h"
 #include "reconstruction/reconstruction_status.h"
+#include "service/webhooks.h"
 #include "store/object_store.h"
 
 namespace drupe {
@@ -16,6 +17,7 @@ struct RouteContext {
   ImageSetStore& sets;
   Limits limits;
   LinkBase links;
+  Webhooks& webhooks;
   bool prepare = true;  ///< leave a job for every picture that arrives in a set, so that its features are found at once
 };
 

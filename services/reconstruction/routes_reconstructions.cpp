@@ -27,12 +27,15 @@ Result<Job> SubmitRequest(const RouteContext& context, const Request& request) {
   JobSpec spec;
   DRUPE_ASSIGN_OR_RETURN(const std::string key, ReadIdempotencyKey(request));
   DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest asked, ReadRequest(context, request));
+  if (!asked.webhook.empty()) DRUPE_RETURN_IF_ERROR(context.webhooks.Check(asked.webhook));
   if (!key.empty()) spec.idempotency_key = "client:" + key;  // never one that this service makes for itself
   spec.kind = kReconstructKind;
   spec.id_prefix = "rec";
   spec.subject = asked.image_set;
   spec.payload = ToPayload(asked);
-  return context.jobs.Submit(spec);
+  DRUPE_ASSIGN_OR_RETURN(Job job, context.jobs.Submit(spec));
+  if (!asked.webhook.empty()) DRUPE_RETURN_IF_ERROR(context.webhooks.Subscribe(job.id, asked.webhook));
+  return job;
 }
 
 void Submit(const RouteContext& context, const Request& request, Response& response) {

@@ -24,10 +24,12 @@ Status AddScope(const Json& scope, AccessToken& token) {
     token.read = true;
   } else if (scope == "submit") {
     token.submit = true;
+  } else if (scope == "store") {
+    token.store = true;
   } else if (scope == "admin") {
     token.admin = true;
   } else {
-    return BadTokens("a scope is \"read\", \"submit\" or \"admin\"");
+    return BadTokens("a scope is \"read\", \"submit\", \"store\" or \"admin\"");
   }
   return Status::Ok();
 }
@@ -69,6 +71,8 @@ bool AccessToken::Allows(Scope scope) const {
       return read || admin;
     case Scope::kSubmit:
       return submit || admin;
+    case Scope::kStore:
+      return store || admin;
     default:
       return admin;
   }

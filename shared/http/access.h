@@ -13,13 +13,14 @@
 namespace drupe {
 
 /// What a request needs leave for. kByMethod: kRead for GET, kSubmit for everything else.
-enum class Scope { kNone, kByMethod, kRead, kSubmit, kAdmin };
+enum class Scope { kNone, kByMethod, kRead, kSubmit, kStore, kAdmin };
 
 /// One token as the secrets file has it: never the token itself, only its digest.
 struct AccessToken {
   std::string name;    ///< of who holds it, for the log
   std::string sha256;  ///< of the token
   bool read = false, submit = false, admin = false;
+  bool store = false;          ///< reads, writes and removes objects by their digests: a compute machine
   double requests_per_s = 50;  ///< sustained; twice as many at once
   int max_concurrent = 16;     ///< requests being answered
 
@@ -27,8 +28,8 @@ struct AccessToken {
   bool Allows(Scope scope) const;
 };
 
-/// {"tokens": [{"name", "sha256", "scopes": ["read", "submit", "admin"], "requests_per_s"?, "max_concurrent"?}]}.
-/// Errors: those of reading and parsing, 400 `invalid_tokens`.
+/// {"tokens": [{"name", "sha256", "scopes": ["read", "submit", "store", "admin"], "requests_per_s"?,
+/// "max_concurrent"?}]}. Errors: those of reading and parsing, 400 `invalid_tokens`.
 Result<std::vector<AccessToken>> ReadTokens(const std::filesystem::path& file);
 
 /// Who may do what, and how often. Thread-safe.

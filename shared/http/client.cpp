@@ -114,22 +114,40 @@ Result<Client::Reply> Client::Post(const std::string& path, const Json& body,
   return ReadReply(base_url_, client.Post(path, headers, DumpJson(body), "application/json"), options_.max_json_bytes);
 }
 
-Result<Client::Reply> Client::Put(const std::string& path, const std::string& bytes,
-                                  const std::string& content_type) const {
+Result<Client::Reply> Client::Put(const std::string& path, std::string_view bytes, const std::string& content_type,
+                                  const std::string& content_range) const {
   httplib::Client client = Connect(base_url_, options_);
-  return ReadReply(base_url_, client.Put(path, bytes, content_type), options_.max_json_bytes);
+  httplib::Headers headers;
+  if (!content_range.empty()) headers.emplace("Content-Range", content_range);
+  const httplib::Result result = client.Put(path, headers, bytes.data(), bytes.size(), content_type);
+  return ReadReply(base_url_, result, options_.max_json_bytes);
+}
+
+Result<Client::Reply> Client::Delete(const std::string& path) const {
+  httplib::Client client = Connect(base_url_, options_);
+  return ReadReply(base_url_, client.Delete(path), options_.max_json_bytes);
+}
+
+Result<std::uint64_t> Client::Length(const std::string& path) const {
+  httplib::Client client = Connect(base_url_, options_);
+  const httplib::Result result = client.Head(path);
+  if (!result) return Unreachable(base_url_, result.error());
+  if (result->status < 200 || result->status > 299) return ErrorOfReply(result->status, "");
+  return result->get_header_value<std::uint64_t>("Content-Length");
 }
 
 Status Client::Download(const std::string& path, std::uint64_t max_bytes,
-                        const std::function<bool(std::string_view)>& sink) const {
+                        const std::function<bool(std::string_view)>& sink, std::uint64_t offset) const {
   httplib::Client client = Connect(base_url_, options_);
   int http_status = 0;
   bool too_large = false;
   bool stopped = false;
   std::uint64_t received = 0;
   std::string error_body;
+  httplib::Headers headers;
+  if (offset > 0) headers.emplace("Range", "bytes=" + std::to_string(offset) + "-");
   const httplib::Result result = client.Get(
-      path,
+      path, headers,
       [&](const httplib::Response& reply) {
         http_status = reply.status;
         return true;
@@ -139,11 +157,13 @@ Status Client::Download(const std::string& path, std::uint64_t max_bytes,
           error_body.append(data, std::min(size, kMaxErrorBytes - std::min(kMaxErrorBytes, error_body.size())));
           return error_body.size() < kMaxErrorBytes;
         }
+        if (offset > 0 && http_status == 200) return false;
         received += size;
         too_large = received > max_bytes;
         stopped = !too_large && !sink(std::string_view(data, size));
         return !too_large && !stopped;
       });
+  if (offset > 0 && http_status == 200) return Internal("bad_reply", "a range was asked for, and the whole came");
   if (too_large) return TooLarge(max_bytes);
   if (stopped) return Cancelled();
   if (http_status != 0 && (http_status < 200 || http_status > 299)) return ErrorOfReply(http_status, error_body);

@@ -39,13 +39,17 @@ class Client {
   Result<Reply> Get(const std::string& path) const;
   /// `idempotency_key` is sent as Idempotency-Key unless empty.
   Result<Reply> Post(const std::string& path, const Json& body, const std::string& idempotency_key = "") const;
-  /// Sends bytes as they are, such as an image.
-  Result<Reply> Put(const std::string& path, const std::string& bytes, const std::string& content_type) const;
+  /// Sends bytes as they are, such as an image. `content_range` is sent as Content-Range unless empty.
+  Result<Reply> Put(const std::string& path, std::string_view bytes, const std::string& content_type,
+                    const std::string& content_range = "") const;
+  Result<Reply> Delete(const std::string& path) const;
+  /// Length in bytes of what Download would give.
+  Result<std::uint64_t> Length(const std::string& path) const;
 
-  /// Streams a reply's body to `sink`, which returns false to stop: the `cancelled` Status. Errors as above, and 413
-  /// `reply_too_large`.
-  Status Download(const std::string& path, std::uint64_t max_bytes,
-                  const std::function<bool(std::string_view)>& sink) const;
+  /// Streams a reply's body, from byte `offset` on, to `sink`, which returns false to stop: the `cancelled` Status.
+  /// Errors as above, and 413 `reply_too_large`, 416.
+  Status Download(const std::string& path, std::uint64_t max_bytes, const std::function<bool(std::string_view)>& sink,
+                  std::uint64_t offset = 0) const;
 
   const std::string& base_url() const { return base_url_; }
 

@@ -28,10 +28,18 @@ struct ServiceOptions {
   ServerOptions server;                  ///< --host, --port
   std::string jobs_url;                  ///< --jobs-url: sqlite:PATH or postgres://...; empty: SQLite in `data`
   std::uint64_t min_free_bytes = std::uint64_t{64} << 20;  ///< --min-free-mb: left free on the disk of the objects
-  std::string tokens;         ///< --tokens FILE (ReadTokens); needed to listen beyond loopback
-  bool open_access = false;   ///< --open-access: listen beyond loopback without tokens
-  std::string service_token;  ///< --service-token FILE: what this service shows to the others
-  std::string public_url;     ///< --public-url: prefix of links in replies; empty: relative links
+  std::string store_url;  ///< --store-url: file:PATH or http://host:port; empty: DATA/objects
+  std::uint64_t store_cache_bytes = std::uint64_t{8} << 30;  ///< --store-cache-bytes: of another machine's objects
+  std::uint64_t store_quota_bytes = 0;                       ///< --store-quota-mb; 0: none
+  std::string webhook_secret;                                ///< --webhook-secret FILE; empty: no webhooks
+  std::string webhook_allow;   ///< --webhook-allow HOST,...: though their address is private
+  double retain_days = 0;      ///< --retain-days; 0: for ever
+  double gc_interval_min = 0;  ///< --gc-interval-min; 0: never
+  double gc_min_age_h = 24;    ///< --gc-min-age-h
+  std::string tokens;          ///< --tokens FILE (ReadTokens); needed to listen beyond loopback
+  bool open_access = false;    ///< --open-access: listen beyond loopback without tokens
+  std::string service_token;   ///< --service-token FILE: what this service shows to the others
+  std::string public_url;      ///< --public-url: prefix of links in replies; empty: relative links
 };
 
 /// The frame of a service's main(): options (command line, then environment DRUPE_..., then --config FILE), JSON log,

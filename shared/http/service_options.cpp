@@ -28,6 +28,35 @@ void AddMegabytes(CLI::App& app, const std::string& flag, T& bytes, const std::s
       ->envname(EnvironmentName(flag));
 }
 
+void AddStoreOptions(CLI::App& app, ServiceOptions& options) {
+  const auto add = [&](const std::string& flag, auto& value, const std::string& help) {
+    return app.add_option(flag, value, help)->capture_default_str()->envname(EnvironmentName(flag));
+  };
+  add("--store-url", options.store_url,
+      "where the objects are: file:PATH, or http://HOST:PORT of a service that has them on its disk; without it, in "
+      "--data");
+  add("--store-cache-bytes", options.store_cache_bytes, "disk space in --data for objects of another machine")
+      ->check(CLI::Range(std::uint64_t{1} << 20, std::uint64_t{1} << 50));
+  AddMegabytes(app, "--store-quota-mb", options.store_quota_bytes,
+               "disk space that all objects may have together: 507 beyond; without it, what the disk holds");
+  add("--retain-days", options.retain_days, "forget jobs and image sets this long after their end; 0: never")
+      ->check(CLI::Range(0.0, 1e5));
+  add("--gc-interval-min", options.gc_interval_min,
+      "minutes between removals of objects that nothing refers to; 0: none")
+      ->check(CLI::Range(0.0, 1e6));
+  add("--gc-min-age-h", options.gc_min_age_h, "hours that every object stays, longer than any job takes")
+      ->check(CLI::Range(0.0, 1e5));
+}
+
+void AddWebhookOptions(CLI::App& app, ServiceOptions& options) {
+  app.add_option("--webhook-secret", options.webhook_secret,
+                 "file with the secret that webhooks are signed with; without it there are none")
+      ->envname("DRUPE_WEBHOOK_SECRET");
+  app.add_option("--webhook-allow", options.webhook_allow,
+                 "hosts, with commas between, that webhooks may call although their addresses are private")
+      ->envname("DRUPE_WEBHOOK_ALLOW");
+}
+
 void AddLimits(CLI::App& app, ServiceOptions& options) {
   AddMegabytes(app, "--max-request-mb", options.limits.max_request_bytes, "largest request body");
   AddMegabytes(app, "--min-free-mb", options.min_free_bytes, "disk space that uploads leave free: 507 beyond");
@@ -110,6 +139,8 @@ void AddServiceOptions(CLI::App& app, ServiceOptions& options) {
   app.add_option("--public-url", options.public_url, "put before the links in replies, for a service behind a proxy")
       ->envname("DRUPE_PUBLIC_URL");
   AddLimits(app, options);
+  AddStoreOptions(app, options);
+  AddWebhookOptions(app, options);
 }
 
 Status ApplyConfigFile(CLI::App& app, const std::string& path) {

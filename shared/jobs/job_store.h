@@ -75,9 +75,10 @@ class JobStore {
   virtual Result<Job> Retry(std::string_view id) = 0;
   /// Ends the attempts whose lease has run out, as Fail does with `lease_expired`; returns how many.
   virtual Result<int> ExpireLeases() = 0;
-  /// Forgets up to `limit` jobs that ended before `ended_ms`, with their history and their idempotency keys; returns
-  /// how many.
-  virtual Result<int> DeleteEndedBefore(std::int64_t ended_ms, int limit) = 0;
+  /// Forgets up to `limit` jobs of `kinds` (empty: of all) that ended before `ended_ms`, with their history and their
+  /// idempotency keys; returns how many.
+  virtual Result<int> DeleteEndedBefore(std::int64_t ended_ms, int limit,
+                                        const std::vector<std::string>& kinds = {}) = 0;
 
   /// Advances with every change to any job, progress included.
   ChangeSignal& changes() { return changes_; }

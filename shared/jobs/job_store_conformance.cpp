@@ -393,6 +393,7 @@ TEST_F(JobStoreConformance, ForgetsWhatEndedLongAgo) {
   const Job waiting = Submit(Spec());
   const std::int64_t now = clock().NowMs();
   EXPECT_EQ(store().DeleteEndedBefore(old.created_ms, 10).value(), 0);
+  EXPECT_EQ(store().DeleteEndedBefore(now, 10, {"other", "kinds"}).value(), 0);
   EXPECT_EQ(store().DeleteEndedBefore(now, 10).value(), 1);
   EXPECT_EQ(store().Get(old.id).status().code(), "job_not_found");
   EXPECT_EQ(Get(waiting.id).state, JobState::kQueued);

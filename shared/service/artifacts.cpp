@@ -2,26 +2,14 @@
 
 #include <algorithm>
 #include <memory>
-#include <span>
 #include <utility>
 
 #include "http/content.h"
+#include "service/object_source.h"
 
 namespace drupe {
 
 namespace {
-
-class ObjectSource : public ByteSource {
- public:
-  explicit ObjectSource(std::unique_ptr<ObjectReader> reader) : reader_(std::move(reader)) {}
-  std::uint64_t size() const override { return reader_->size(); }
-  Result<std::size_t> ReadAt(std::uint64_t offset, std::span<char> buffer) override {
-    return reader_->ReadAt(offset, std::as_writable_bytes(buffer));
-  }
-
- private:
-  std::unique_ptr<ObjectReader> reader_;
-};
 
 const char* MediaTypeOf(const std::string& name) {
   if (name.ends_with(".json")) return "application/json";

@@ -4,8 +4,10 @@
 #include <filesystem>
 
 #include "jobs/sql/sql_job_store.h"
+#include "service/job_routes.h"
+#include "service/object_routes.h"
 #include "service/open_database.h"
-#include "store/disk_object_store.h"
+#include "service/remote_object_store.h"
 
 namespace drupe {
 
@@ -43,15 +45,44 @@ void AddDiskGauge(Metrics& metrics, const std::filesystem::path& data) {
   });
 }
 
+Status OpenOnDisk(const std::filesystem::path& directory, const ServiceOptions& options, ServiceStores& stores) {
+  const ObjectStoreOptions limits{.min_free_bytes = options.min_free_bytes,
+                                  .max_total_bytes = options.store_quota_bytes};
+  DRUPE_ASSIGN_OR_RETURN(auto store, DiskObjectStore::Open(directory, limits));
+  stores.disk = store.get();
+  stores.objects = std::move(store);
+  return Status::Ok();
+}
+
+Status OpenObjects(const ServiceOptions& options, ServiceStores& stores) {
+  constexpr std::string_view kFile = "file:";
+  const std::string& url = options.store_url;
+  if (url.empty()) return OpenOnDisk(options.data / "objects", options, stores);
+  if (url.starts_with(kFile) && url.size() > kFile.size()) {
+    return OpenOnDisk(url.substr(kFile.size()), options, stores);
+  }
+  if (!url.starts_with("http://")) {
+    return InvalidArgument("invalid_store_url", "the objects are at file:PATH or http://HOST:PORT, not \"" + url + "\"",
+                           "store_url");
+  }
+  const RemoteStoreOptions remote{.cache_bytes = options.store_cache_bytes, .min_free_bytes = options.min_free_bytes};
+  DRUPE_ASSIGN_OR_RETURN(stores.objects, RemoteObjectStore::Open(url, options.data / "object-cache", remote));
+  return Status::Ok();
+}
+
 }  // namespace
 
 Result<ServiceStores> OpenServiceStores(const ServiceOptions& options, const std::string& service) {
   ServiceStores stores;
-  DRUPE_ASSIGN_OR_RETURN(stores.objects,
-                         DiskObjectStore::Open(options.data / "objects", {.min_free_bytes = options.min_free_bytes}));
+  DRUPE_RETURN_IF_ERROR(OpenObjects(options, stores));
   DRUPE_ASSIGN_OR_RETURN(stores.database, OpenDatabase(options.jobs_url, options.data, service));
   DRUPE_ASSIGN_OR_RETURN(stores.jobs, OpenJobStore(*stores.database));
   return stores;
+}
+
+void AddStoreRoutes(Service& service, ServiceStores& stores) {
+  AddJobRoutes(service.router(), *stores.jobs);
+  if (stores.disk != nullptr) AddObjectRoutes(service.router(), *stores.disk);
 }
 
 void WatchStores(Service& service, ServiceStores& stores) {

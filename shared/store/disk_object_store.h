@@ -75,6 +75,7 @@ class DiskObjectStore : public ObjectStore {
   Result<std::uint64_t> Size(std::string_view sha256) override;
   Status Remove(std::string_view sha256) override;
   Status CheckWritable(std::uint64_t expected_bytes = 0) override;
+  Status KeepRoots(const std::string& owner, const std::set<std::string>& digests) override;
 
   /// Starts an object whose bytes come in pieces. `expected_bytes`, when known, lets a full disk refuse at once.
   Result<ObjectWriter> Begin(std::uint64_t expected_bytes = 0);

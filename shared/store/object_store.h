@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -59,6 +60,9 @@ class ObjectStore {
   virtual Status Remove(std::string_view sha256) = 0;
   /// Whether a write would be admitted now, for /readyz. Errors: 507 `disk_full`, `store_full`.
   virtual Status CheckWritable(std::uint64_t expected_bytes) = 0;
+  /// Says which objects `owner` (a service's name) refers to from now on, instead of those it said before. No other of
+  /// its objects outlives the collection of garbage, unless stored after this. Errors: 400 `invalid_name`.
+  virtual Status KeepRoots(const std::string& owner, const std::set<std::string>& digests) = 0;
 };
 
 }  // namespace drupe

@@ -63,8 +63,33 @@ class OpenApiTest(DrupeTest):
             for path in ("/healthz", "/readyz", "/metrics"):
                 self.call(service, "GET", path, expect=200)
             self.assertEqual(self.call(service, "GET", "/openapi.yaml", expect=200).body.decode(), self.contract.text)
+            self.check_objects_of(service)
             schema = self.call(service, "GET", "/schemas/report.schema.json", expect=200).json()
             self.assertEqual(schema, json.loads((contract.API / "schemas/report.schema.json").read_text()))
+
+    def check_objects_of(self, service):
+        content = f"object of {service}".encode()
+        path, total = f"/objects/{hashlib.sha256(content).hexdigest()}", len(content)
+
+        def put(body, content_range, expect):
+            return self.call(service, "PUT", path, body, {"Content-Range": f"bytes {content_range}/{total}"}, expect)
+
+        self.call(service, "GET", "/objects?bytes=10", expect=200)
+        self.call(service, "GET", path, expect=404)
+        put(content[:3], "0-2", 202)
+        self.assertEqual(put(b"", "*", 200).json(), {"received": 3, "complete": False})
+        put(content, f"0-{total - 1}", 409)
+        put(content[:3], "3-4", 400)
+        put(b"?" * (total - 3), f"3-{total - 1}", 422)
+        self.call(service, "PUT", path, content, expect=201)
+        self.call(service, "PUT", "/objects/none", content, expect=400)
+        tag = self.call(service, "GET", path, expect=200).headers["etag"]
+        self.call(service, "GET", path, headers={"If-None-Match": tag}, expect=304)
+        self.call(service, "GET", path, headers={"Range": "bytes=1-2"}, expect=206)
+        self.call(service, "GET", path, headers={"Range": "bytes=999-"}, expect=416)
+        self.call(service, "PUT", "/object-roots/elsewhere", b"none", expect=400)
+        self.call(service, "PUT", "/object-roots/elsewhere", path[-64:] + "\n", expect=204)
+        self.call(service, "DELETE", path, expect=204)
 
     def test_3_reconstruction_and_report(self):
         accepted = self.post_parts("reconstruction", "/reconstruct", sample_parts(sample_images(12), QUICK_OPTIONS), 202)

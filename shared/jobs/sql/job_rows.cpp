@@ -112,6 +112,13 @@ void BindError(Statement& statement, const std::optional<JobError>& error) {
   }
 }
 
+/// "?, ?, ?"
+std::string Placeholders(std::size_t count) {
+  std::string list = "?";
+  for (std::size_t i = 1; i < count; ++i) list += ", ?";
+  return list;
+}
+
 }  // namespace
 
 Status JobRows::Migrate() {
@@ -194,10 +201,8 @@ Result<std::optional<JobRow>> JobRows::FindByKey(std::string_view idempotency_ke
 
 Result<std::optional<JobRow>> JobRows::TakeClaimable(const std::vector<std::string>& kinds, std::int64_t now_ms) {
   if (kinds.empty()) return std::optional<JobRow>();
-  std::string one_of = "?";
-  for (std::size_t i = 1; i < kinds.size(); ++i) one_of += ", ?";
   const std::string condition =
-      "WHERE state = 0 AND available_at_ms <= ? AND kind IN (" + one_of + ") ORDER BY priority DESC, seq LIMIT 1";
+      "WHERE state = 0 AND available_at_ms <= ? AND kind IN (" + Placeholders(kinds.size()) + ") ORDER BY priority DESC, seq LIMIT 1";
   DRUPE_ASSIGN_OR_RETURN(const auto query, database_.Prepare(Select(condition).append(database_.SkipTakenRows())));
   query->Bind(now_ms);
   for (const std::string& kind : kinds) query->Bind(kind);
@@ -250,12 +255,15 @@ Result<JobCounts> JobRows::Counts() {
   }
 }
 
-Result<int> JobRows::DeleteEndedBefore(std::int64_t ended_ms, int limit) {
+Result<int> JobRows::DeleteEndedBefore(std::int64_t ended_ms, int limit, const std::vector<std::string>& kinds) {
+  const std::string of_kind = kinds.empty() ? "" : " AND kind IN (" + Placeholders(kinds.size()) + ")";
   DRUPE_ASSIGN_OR_RETURN(
       const auto remove,
-      database_.Prepare("DELETE FROM jobs WHERE seq IN (SELECT seq FROM jobs WHERE state >= 2 AND finished_ms < ? "
-                        "ORDER BY seq LIMIT ?) RETURNING seq"));
-  remove->Bind(ended_ms).Bind(limit);
+      database_.Prepare("DELETE FROM jobs WHERE seq IN (SELECT seq FROM jobs WHERE state >= 2 AND finished_ms < ?" +
+                        of_kind + " ORDER BY seq LIMIT ?) RETURNING seq"));
+  remove->Bind(ended_ms);
+  for (const std::string& kind : kinds) remove->Bind(kind);
+  remove->Bind(limit);
   for (int removed = 0;; ++removed) {
     DRUPE_ASSIGN_OR_RETURN(const bool one_more, remove->Step());
     if (!one_more) return removed;

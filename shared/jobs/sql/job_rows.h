@@ -42,8 +42,9 @@ class JobRows {
   Result<std::vector<JobEvent>> Events(std::int64_t seq);
   Result<JobCounts> Counts();
   Result<std::int64_t> CountQueued();
-  /// Deletes up to `limit` jobs that ended before `ended_ms`, with their events; returns how many.
-  Result<int> DeleteEndedBefore(std::int64_t ended_ms, int limit);
+  /// Deletes up to `limit` jobs of `kinds` (empty: of all) that ended before `ended_ms`, with their events; returns how
+  /// many.
+  Result<int> DeleteEndedBefore(std::int64_t ended_ms, int limit, const std::vector<std::string>& kinds);
 
  private:
   Result<std::optional<JobRow>> FindOne(Statement& query);

@@ -78,7 +78,7 @@ class SqlJobStore : public JobStore {
   Result<Job> Cancel(std::string_view id) override;
   Result<Job> Retry(std::string_view id) override;
   Result<int> ExpireLeases() override;
-  Result<int> DeleteEndedBefore(std::int64_t ended_ms, int limit) override;
+  Result<int> DeleteEndedBefore(std::int64_t ended_ms, int limit, const std::vector<std::string>& kinds) override;
 
  private:
   /// Transaction that tells the waiters when it has changed something.
@@ -309,10 +309,10 @@ Result<int> SqlJobStore::ExpireLeases() {
   return expired;
 }
 
-Result<int> SqlJobStore::DeleteEndedBefore(std::int64_t ended_ms, int limit) {
+Result<int> SqlJobStore::DeleteEndedBefore(std::int64_t ended_ms, int limit, const std::vector<std::string>& kinds) {
   int deleted = 0;
   DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
-    DRUPE_ASSIGN_OR_RETURN(deleted, rows_.DeleteEndedBefore(ended_ms, limit));
+    DRUPE_ASSIGN_OR_RETURN(deleted, rows_.DeleteEndedBefore(ended_ms, limit, kinds));
     return Status::Ok();
   }));
   return deleted;
