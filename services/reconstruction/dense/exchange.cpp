@@ -15,7 +15,7 @@ namespace drupe::dense {
 namespace {
 
 constexpr float kDepthSigma = 0.3f, kSlopeSigma = 0.05f;  ///< pixels of parallax; the latter a pixel
-constexpr float kMostMoved = 0.5f;  ///< pixels of parallax: further off, a highlight draws the patch, not the skin
+constexpr float kMostMoved = 0.8f;  ///< pixels of parallax: further off, a highlight draws the patch, not the skin
 
 /// The patches of the neighbours that agree with `reference` and lie in empty cells of its map: of each cell the one
 /// with the best NCC.
