@@ -11,6 +11,8 @@
 #include "base/parallel.h"
 #include "cli/bench/bench.h"
 #include "cli/bench/match_truth.h"
+#include "cli/bench/neighbour_pairs.h"
+#include "cli/bench/set_bench.h"
 #include "cli/bench/text_table.h"
 #include "reconstruction/matching/descriptor_matching.h"
 #include "reconstruction/matching/matching.h"
@@ -25,9 +27,8 @@ constexpr std::array<double, 5> kRatios = {0.5, 0.6, 0.7, 0.8, 0.9};
 
 /// What the user wrote after `drupe bench matching`.
 struct Arguments {
-  std::vector<std::string> sets;
+  SetArguments sets;
   int window = 1;
-  int threads = 0;
 };
 
 /// One set, ready to be matched.
@@ -46,21 +47,6 @@ struct Tally {
 
 std::string Stem(const std::string& name) {
   return std::filesystem::path(name).stem().string();
-}
-
-/// Every picture with the `window` that follow it, the last ones with the first.
-std::vector<ImagePair> NeighbourPairs(int count, int window) {
-  std::map<std::pair<int, int>, ImagePair> pairs;
-  for (int image = 0; image < count; ++image) {
-    for (int step = 1; step <= std::min(window, count - 1); ++step) {
-      const int other = (image + step) % count;
-      const ImagePair pair{std::min(image, other), std::max(image, other)};
-      pairs[{pair.first, pair.second}] = pair;
-    }
-  }
-  std::vector<ImagePair> list;
-  for (const auto& [key, pair] : pairs) list.push_back(pair);
-  return list;
 }
 
 Result<Pictures> LoadPictures(const TruthSet& set, int window, const RunContext& context) {
@@ -136,10 +122,8 @@ void AppendCells(const Tally& tally, std::vector<std::string>& row) {
       tally.matches == 0 ? 0.0 : 100.0 * static_cast<double>(tally.wrong) / static_cast<double>(tally.matches), 2));
 }
 
-Status MeasureSet(const std::string& directory, const Arguments& arguments) {
-  RunContext context;
-  context.threads = arguments.threads;
-  DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
+Status MeasureSet(const TruthSet& set, const Arguments& arguments) {
+  const RunContext context = arguments.sets.Context();
   DRUPE_ASSIGN_OR_RETURN(const MatchTruth truth, MatchTruth::Load(set));
   DRUPE_ASSIGN_OR_RETURN(const Pictures pictures, LoadPictures(set, arguments.window, context));
   const PinholeCamera& camera = set.input.calibration->camera;
@@ -162,8 +146,7 @@ Status MeasureSet(const std::string& directory, const Arguments& arguments) {
 }
 
 Status Run(const Arguments& arguments) {
-  for (const std::string& directory : arguments.sets) DRUPE_RETURN_IF_ERROR(MeasureSet(directory, arguments));
-  return Status::Ok();
+  return MeasureSets(arguments.sets, [&](const TruthSet& set) { return MeasureSet(set, arguments); });
 }
 
 }  // namespace
@@ -175,11 +158,9 @@ void AddMatchingBench(CLI::App& bench, int& exit_code) {
       "Table 1 of the paper: matches and wrong ones by the ratio threshold H, first by ratio test and mutual check "
       "alone\n(every feature, background included), then after the whole matching stage (static features dropped, "
       "RANSAC,\nguided second matching)");
-  command->add_option("SET_DIR", arguments->sets, "Sets with images, calibration, truth.json and perhaps surface.ply")
-      ->required();
+  AddSetArguments(*command, "Sets with images, calibration, truth.json and perhaps surface.ply", arguments->sets);
   command->add_option("--window", arguments->window, "Pair every picture with so many that follow it")
       ->check(CLI::Range(1, 100));
-  command->add_option("--threads", arguments->threads, "Threads; 0: one a core")->check(CLI::Range(0, 1024));
   command->callback([arguments, &exit_code] { exit_code = BenchExitCode(Run(*arguments)); });
 }
 

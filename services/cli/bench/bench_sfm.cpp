@@ -8,10 +8,11 @@
 #include "base/ids.h"
 #include "cli/bench/bench.h"
 #include "cli/bench/colmap_peer.h"
+#include "cli/bench/openmvg_peer.h"
 #include "cli/bench/peer_process.h"
+#include "cli/bench/set_bench.h"
 #include "cli/bench/sfm_run.h"
 #include "cli/bench/text_table.h"
-#include "cli/bench/truth_set.h"
 
 namespace drupe {
 
@@ -19,11 +20,10 @@ namespace {
 
 /// What the user wrote after `drupe bench sfm`.
 struct Arguments {
-  std::vector<std::string> sets;
+  SetArguments sets;
   std::string peers = "all";
   bool exhaustive = false;
   bool without_board = false;
-  int threads = 0;
 };
 
 double StageCpu(const Timings& timings, const std::string& name) {
@@ -38,9 +38,8 @@ Result<SfmRun> RunOurs(const TruthSet& set, const Arguments& arguments, SparseMe
   ReconstructionOptions options;
   options.run_dense = false;
   options.sparse.method = method;
-  RunContext context;
-  context.threads = arguments.threads;
-  DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput output, RunReconstruction(input, options, context));
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput output,
+                         RunReconstruction(input, options, arguments.sets.Context()));
   SfmRun run;
   run.method = method == SparseMethod::kClusters ? "Drupe" : "Drupe, without clustering";
   run.features_cpu_s = StageCpu(output.timings, "features");
@@ -78,6 +77,11 @@ Result<SfmRun> RunColmapIn(const TruthSet& set, bool exhaustive) {
   return RunColmap(set, pairs, scratch.path());
 }
 
+Result<SfmRun> RunOpenMvgIn(const TruthSet& set) {
+  const ScratchDirectory scratch;
+  return RunOpenMvg(set, scratch.path());
+}
+
 Result<std::vector<std::string>> RowOf(const TruthSet& set, const SfmRun& run) {
   DRUPE_ASSIGN_OR_RETURN(const PoseErrors errors, ComparePoses(set, run.views));
   return std::vector<std::string>{run.method,
@@ -92,8 +96,7 @@ Result<std::vector<std::string>> RowOf(const TruthSet& set, const SfmRun& run) {
                                   FixedText(errors.mean_rotation_deg, 5)};
 }
 
-Status MeasureSet(const std::string& directory, const Arguments& arguments) {
-  DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
+Status MeasureSet(const TruthSet& set, const Arguments& arguments) {
   std::vector<std::vector<std::string>> rows;
   const auto add = [&](const Result<SfmRun>& run) -> Status {
     DRUPE_RETURN_IF_ERROR(run.status());
@@ -103,9 +106,9 @@ Status MeasureSet(const std::string& directory, const Arguments& arguments) {
   };
   DRUPE_RETURN_IF_ERROR(add(RunOurs(set, arguments, SparseMethod::kClusters)));
   DRUPE_RETURN_IF_ERROR(add(RunOurs(set, arguments, SparseMethod::kWhole)));
-  if (arguments.peers == "all" && FindProgram("colmap")) {
-    DRUPE_RETURN_IF_ERROR(add(RunColmapIn(set, arguments.exhaustive)));
-  }
+  const bool with_peers = arguments.peers == "all";
+  if (with_peers && FindProgram("colmap")) DRUPE_RETURN_IF_ERROR(add(RunColmapIn(set, arguments.exhaustive)));
+  if (with_peers && HasOpenMvg()) DRUPE_RETURN_IF_ERROR(add(RunOpenMvgIn(set)));
   std::printf("%s: %zu pictures; CPU seconds by step\n", set.name.c_str(), set.views.size());
   const std::vector<std::string> heading = {"method", "features", "matching",   "poses",     "all",
                                             "wall s", "points",   "registered", "centre mm", "rotation deg"};
@@ -114,8 +117,7 @@ Status MeasureSet(const std::string& directory, const Arguments& arguments) {
 }
 
 Status Run(const Arguments& arguments) {
-  for (const std::string& directory : arguments.sets) DRUPE_RETURN_IF_ERROR(MeasureSet(directory, arguments));
-  return Status::Ok();
+  return MeasureSets(arguments.sets, [&](const TruthSet& set) { return MeasureSet(set, arguments); });
 }
 
 }  // namespace
@@ -126,16 +128,15 @@ void AddSfmBench(CLI::App& bench, int& exit_code) {
       "sfm",
       "Table 2 of the paper: what structure from motion costs and how far its poses are from the truth, after the "
       "best\n"
-      "similarity: ours by clusters, ours as a whole, and COLMAP on the CPU with the same calibration where it is on "
-      "PATH");
-  command->add_option("SET_DIR", arguments->sets, "Sets with images, calibration and truth.json")->required();
+      "similarity: ours by clusters, ours as a whole, and, on the CPU with the same calibration, COLMAP (colmap) and\n"
+      "OpenMVG 2 (openMVG_main_SfMInit_ImageListing, openMVG_main_SfM and the others) where they are on PATH");
+  AddSetArguments(*command, "Sets with images, calibration and truth.json", arguments->sets);
   command->add_option("--peers", arguments->peers, "none: ours alone; all: whatever is on PATH as well")
       ->check(CLI::IsMember({"none", "all"}))
       ->capture_default_str();
   command->add_flag("--exhaustive", arguments->exhaustive,
                     "COLMAP matches all pairs instead of every picture with the four after it");
   command->add_flag("--without-board", arguments->without_board, "Ours sees no board, as COLMAP");
-  command->add_option("--threads", arguments->threads, "Ours: threads; 0: one a core")->check(CLI::Range(0, 1024));
   command->callback([arguments, &exit_code] { exit_code = BenchExitCode(Run(*arguments)); });
 }
 

@@ -4,75 +4,54 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <set>
 #include <sstream>
 
 #include "base/files.h"
-#include "cli/bench/peer_process.h"
+#include "cli/bench/neighbour_pairs.h"
+#include "cli/bench/peer_steps.h"
 
 namespace drupe {
 
 namespace {
 
-/// Runs one of COLMAP's commands after the other and adds up what they cost.
-class ColmapCommands {
- public:
-  explicit ColmapCommands(std::string directory) : directory_(std::move(directory)) {}
-
-  /// Its CPU seconds.
-  Result<double> Run(const std::string& command, std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"colmap", command});
-    const std::string log = directory_ + "/" + command + ".log";
-    DRUPE_ASSIGN_OR_RETURN(const PeerRun run, RunPeer(arguments, log));
-    wall_s_ += run.wall_s;
-    if (run.exit_code == 0) return run.cpu_s;
-    return Internal("peer_failed",
-                    "colmap " + command + " ended with " + std::to_string(run.exit_code) + ", see " + log);
-  }
-  double wall_s() const { return wall_s_; }
-
- private:
-  std::string directory_;
-  double wall_s_ = 0;
-};
+/// Runs a command of COLMAP; its CPU seconds.
+Result<double> RunCommand(PeerSteps& steps, const std::string& command, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"colmap", command});
+  return steps.Run(command, arguments);
+}
 
 /// "a.jpg b.jpg" lines.
 std::string PairList(const std::vector<SourceImage>& images, int window) {
-  const int count = static_cast<int>(images.size());
-  std::set<std::pair<int, int>> pairs;
-  for (int image = 0; image < count; ++image) {
-    for (int step = 1; step <= std::min(window, count - 1); ++step) {
-      const int other = (image + step) % count;
-      pairs.emplace(std::min(image, other), std::max(image, other));
-    }
-  }
   std::string text;
-  for (const auto& [first, second] : pairs) text += images[first].name + " " + images[second].name + "\n";
+  for (const ImagePair& pair : NeighbourPairs(static_cast<int>(images.size()), window)) {
+    text += images[pair.first].name + " " + images[pair.second].name + "\n";
+  }
   return text;
 }
 
 Result<double> Match(const TruthSet& set, const ColmapPairs& pairs, const std::string& directory,
-                     const std::string& database, ColmapCommands& colmap) {
+                     const std::string& database, PeerSteps& colmap) {
   if (pairs.exhaustive) {
-    return colmap.Run("exhaustive_matcher", {"--database_path", database, "--SiftMatching.use_gpu", "0"});
+    return RunCommand(colmap, "exhaustive_matcher", {"--database_path", database, "--SiftMatching.use_gpu", "0"});
   }
   const std::string list = directory + "/pairs.txt";
   DRUPE_RETURN_IF_ERROR(WriteFileAtomically(list, PairList(set.input.images, pairs.window)));
-  return colmap.Run("matches_importer", {"--database_path", database, "--match_list_path", list, "--match_type",
-                                         "pairs", "--SiftMatching.use_gpu", "0"});
+  return RunCommand(
+      colmap, "matches_importer",
+      {"--database_path", database, "--match_list_path", list, "--match_type", "pairs", "--SiftMatching.use_gpu", "0"});
 }
 
 /// Reads the model with most pictures of those that the mapper left in numbered directories.
-Status ReadLargestModel(const std::string& models, const std::string& directory, ColmapCommands& colmap, SfmRun& run) {
+Status ReadLargestModel(const std::string& models, const std::string& directory, PeerSteps& colmap, SfmRun& run) {
   std::vector<std::filesystem::path> found;
   for (const auto& entry : std::filesystem::directory_iterator(models)) found.push_back(entry.path());
   std::sort(found.begin(), found.end());
   for (const std::filesystem::path& model : found) {
     const std::string text = directory + "/text-" + model.filename().string();
     std::filesystem::create_directories(text);
-    DRUPE_RETURN_IF_ERROR(
-        colmap.Run("model_converter", {"--input_path", model.string(), "--output_path", text, "--output_type", "TXT"})
-            .status());
+    DRUPE_RETURN_IF_ERROR(RunCommand(colmap, "model_converter",
+                                     {"--input_path", model.string(), "--output_path", text, "--output_type", "TXT"})
+                              .status());
     DRUPE_ASSIGN_OR_RETURN(const std::string images, ReadFile(text + "/images.txt"));
     DRUPE_ASSIGN_OR_RETURN(std::vector<View> views, ParseColmapImages(images));
     if (views.size() <= run.views.size()) continue;
@@ -129,19 +108,19 @@ Result<SfmRun> RunColmap(const TruthSet& set, const ColmapPairs& pairs, const st
   const std::string models = directory + "/models";
   std::filesystem::create_directories(models);
   const ColmapCamera camera = ColmapCameraOf(set.input.calibration->camera);
-  ColmapCommands colmap(directory);
+  PeerSteps colmap(directory);
   SfmRun run;
   run.method = pairs.exhaustive ? "COLMAP, all pairs" : "COLMAP, pairs within " + std::to_string(pairs.window);
   DRUPE_ASSIGN_OR_RETURN(run.features_cpu_s,
-                         colmap.Run("feature_extractor",
+                         RunCommand(colmap, "feature_extractor",
                                     {"--database_path", database, "--image_path", images, "--ImageReader.single_camera",
                                      "1", "--ImageReader.camera_model", camera.model, "--ImageReader.camera_params",
                                      camera.parameters, "--SiftExtraction.use_gpu", "0"}));
   DRUPE_ASSIGN_OR_RETURN(run.matching_cpu_s, Match(set, pairs, directory, database, colmap));
-  DRUPE_ASSIGN_OR_RETURN(
-      run.poses_cpu_s,
-      colmap.Run("mapper", {"--database_path", database, "--image_path", images, "--output_path", models,
-                            "--Mapper.ba_refine_focal_length", "0", "--Mapper.ba_refine_extra_params", "0"}));
+  DRUPE_ASSIGN_OR_RETURN(run.poses_cpu_s,
+                         RunCommand(colmap, "mapper",
+                                    {"--database_path", database, "--image_path", images, "--output_path", models,
+                                     "--Mapper.ba_refine_focal_length", "0", "--Mapper.ba_refine_extra_params", "0"}));
   run.all_cpu_s = run.features_cpu_s + run.matching_cpu_s + run.poses_cpu_s;
   run.wall_s = colmap.wall_s();
   DRUPE_RETURN_IF_ERROR(ReadLargestModel(models, directory, colmap, run));
