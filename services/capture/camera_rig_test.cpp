@@ -54,7 +54,7 @@ TEST(CameraRigTest, TheTriggerLineMakesFramesAndTheCameraRunsFreeWithoutTrigger)
     auto camera = Camera::Open(rig->camera_id(), options);
     ASSERT_TRUE(camera.ok()) << camera.status().ToString();
     ASSERT_TRUE((*camera)->Start().ok());
-    if (trigger == CameraTrigger::kLine) rig->camera().PulseLine();
+    if (trigger == CameraTrigger::kLine) rig->camera().PulseLine(0);
     const auto frame = (*camera)->NextFrame(milliseconds(2000));
     EXPECT_TRUE(frame.ok()) << frame.status().ToString();
   }

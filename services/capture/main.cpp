@@ -10,6 +10,7 @@
 #include "capture/hand_over.h"
 #include "capture/routes.h"
 #include "capture/routes_scans.h"
+#include "capture/routes_sessions.h"
 #include "capture/scan_job.h"
 #include "http/service.h"
 #include "jobs/job_runner.h"
@@ -49,6 +50,9 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   const ServiceOptions& options = service.options();
   DRUPE_ASSIGN_OR_RETURN(ServiceStores stores, OpenServiceStores(options, "capture"));
   DRUPE_ASSIGN_OR_RETURN(const std::unique_ptr<ScanStore> scans, ScanStore::Open(*stores.database));
+  DRUPE_ASSIGN_OR_RETURN(const std::unique_ptr<CalibrationStore> calibrations,
+                         CalibrationStore::Open(*stores.database));
+  DRUPE_ASSIGN_OR_RETURN(const std::unique_ptr<SessionStore> sessions, SessionStore::Open(*stores.database));
   DRUPE_ASSIGN_OR_RETURN(const GrblOptions grbl, settings.Grbl());
   DRUPE_ASSIGN_OR_RETURN(Client reconstruction, Client::Create(settings.reconstruction_url));
   CameraDirectory cameras;
@@ -62,13 +66,19 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   runner_options.worker_name = WorkerName("calibrate");
   CountAttempts(service.metrics(), runner_options);
   JobRunner runner(*stores.jobs, runner_options);
-  runner.Handle(kCalibrateKind, CalibrationJob(*stores.objects, options.limits), CalibrationStages());
+  runner.Handle(kCalibrateKind, CalibrationJob(*stores.objects, *calibrations, options.limits), CalibrationStages());
   StoreKeeper keeper(stores, KeeperOptions(options, "capture", {}));  // scans and calibrations stay
   if (options.role != Role::kWorker) {
-    const CaptureContext context{*stores.objects, *stores.jobs,       cameras,
-                                 options.limits,  options.public_url, settings.reconstruction_url};
+    const CaptureContext context{*stores.objects,
+                                 *stores.jobs,
+                                 cameras,
+                                 *calibrations,
+                                 options.limits,
+                                 options.public_url,
+                                 settings.reconstruction_url};
     AddCaptureRoutes(service.router(), context);
     AddScanRoutes(service.router(), {context, *scans, rig});
+    AddSessionRoutes(service.router(), {context, *sessions, rig});
     AddStoreRoutes(service, stores);
     keeper.Start();
   }

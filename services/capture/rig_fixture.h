@@ -11,10 +11,12 @@
 namespace drupe {
 
 /// A simulated rig for a test. Every one has an address of its own on the loopback network.
-inline std::unique_ptr<SimulatedRig> StartRig(SimulatedRigOptions options = {}) {
+/// `pictures` is a folder of the sample: what the camera sees.
+inline std::unique_ptr<SimulatedRig> StartRig(SimulatedRigOptions options = {},
+                                              const std::string& pictures = "images") {
   static std::atomic<int> number = 1;
   const std::string own = std::to_string(number++);
-  options.pictures = std::string(DRUPE_TEST_DATA) + "/plum-s/images";
+  options.pictures = std::string(DRUPE_TEST_DATA) + "/plum-s/" + pictures;
   options.address = "127.8.0." + own;
   options.serial = "RIG" + own;
   auto rig = SimulatedRig::Start(options);

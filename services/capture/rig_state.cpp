@@ -8,9 +8,9 @@ void RigState::ShowPreview(std::string_view scan, std::string jpeg) {
   preview_ = {std::move(jpeg), preview_.number + 1};
 }
 
-std::optional<RigState::Preview> RigState::PreviewOf(std::string_view scan) const {
+std::optional<RigState::Preview> RigState::PreviewOf(std::string_view scan, std::int64_t seen) const {
   const std::lock_guard lock(mutex_);
-  if (scan_ != scan || preview_.jpeg.empty()) return std::nullopt;
+  if (scan_ != scan || preview_.jpeg.empty() || preview_.number <= seen) return std::nullopt;
   return preview_;
 }
 

@@ -20,8 +20,8 @@ class RigState {
     std::string jpeg;
     std::int64_t number = 0;  ///< grows with every picture
   };
-  /// Nothing for a scan that has not taken a picture in this process.
-  std::optional<Preview> PreviewOf(std::string_view scan) const;
+  /// Nothing for a scan that has not taken a picture in this process, or none since the one that is `seen`.
+  std::optional<Preview> PreviewOf(std::string_view scan, std::int64_t seen = 0) const;
 
   /// The table that is driven now; nullptr when none is.
   void SetTable(Turntable* table);

@@ -45,7 +45,7 @@ class CaptureRoutes {
   }
 
   Status Get(const Request& request, Response& response) const {
-    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.jobs.Get(request.Capture("id")));
+    DRUPE_ASSIGN_OR_RETURN(const Job job, Find(request.Capture("id")));
     Json json = SummaryJson(job);
     json["pattern"] = job.payload.value("pattern", Json());
     json["refused_images"] = job.payload.value("refused_images", Json::array());
@@ -55,14 +55,17 @@ class CaptureRoutes {
   }
 
   Status GetFile(const Request& request, Response& response) const {
-    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.jobs.Get(request.Capture("id")));
-    if (job.state != JobState::kSucceeded || !job.result) {
-      return {StatusKind::kConflict, "calibration_not_ready",
-              std::string("there is no calibration: its state is ") + JobStateName(job.state)};
-    }
-    std::string text = DumpJson(job.result->value("calibration", Json()), 1) + "\n";
+    DRUPE_ASSIGN_OR_RETURN(const StoredCalibration stored, Stored(request));
+    std::string text = DumpJson(stored.calibration, 1) + "\n";
     const std::string digest = Sha256Hex(text);
     SendContent(request, MakeByteSource(std::move(text)), "application/json", digest, response);
+    return Status::Ok();
+  }
+
+  Status GetCoverage(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const StoredCalibration stored, Stored(request));
+    DRUPE_ASSIGN_OR_RETURN(std::string png, context_.objects.Get(stored.coverage_sha256));
+    SendContent(request, MakeByteSource(std::move(png)), "image/png", stored.coverage_sha256, response);
     return Status::Ok();
   }
 
@@ -82,12 +85,27 @@ class CaptureRoutes {
   }
 
  private:
+  /// The job of a calibration's own id, or of its job's.
+  Result<Job> Find(const std::string& id) const {
+    const Result<StoredCalibration> stored = context_.calibrations.Get(id);
+    return context_.jobs.Get(stored.ok() ? stored->job : id);
+  }
+
+  Result<StoredCalibration> Stored(const Request& request) const {
+    const std::string id = request.Capture("id");
+    Result<StoredCalibration> stored = context_.calibrations.Get(id);
+    if (stored.ok() || stored.status().kind() != StatusKind::kNotFound) return stored;
+    DRUPE_ASSIGN_OR_RETURN(const Job job, context_.jobs.Get(id));
+    return CalibrationNotReady(job);
+  }
+
   std::string LinkOf(const Job& job) const { return context_.public_url + "/calibrations/" + job.id; }
 
   Json LinksJson(const Job& job) const {
     Json links = {{"self", LinkOf(job)}};
     if (job.state == JobState::kSucceeded) {
       links["calibration"] = LinkOf(job) + "/calibration.json";
+      links["coverage"] = LinkOf(job) + "/coverage.png";
       links["reconstruct"] = context_.reconstruction_url + "/reconstruct";
     }
     return links;
@@ -96,6 +114,8 @@ class CaptureRoutes {
   Json SummaryJson(const Job& job) const {
     const Json result = job.result.value_or(Json::object());
     Json json = JobJson(job);
+    json["calibration_id"] = result.value("id", Json());
+    json["camera"] = job.payload.value("camera", Json());
     json["images"] = job.payload.value("images", Json::array()).size();
     json["grade"] = result.value("grade", Json());
     json["verdict"] = result.value("verdict", Json());
@@ -124,6 +144,7 @@ void AddCaptureRoutes(Router& router, const CaptureContext& context) {
   add("GET", "/calibrations", plain, &CaptureRoutes::List);
   add("GET", "/calibrations/{id:cal}", plain, &CaptureRoutes::Get);
   add("GET", "/calibrations/{id:cal}/calibration.json", plain, &CaptureRoutes::GetFile);
+  add("GET", "/calibrations/{id:cal}/coverage.png", plain, &CaptureRoutes::GetCoverage);
 }
 
 }  // namespace drupe

@@ -9,6 +9,7 @@
 #include "http/content.h"
 #include "http/request.h"
 #include "http/response.h"
+#include "scene/calibration.h"
 #include "service/job_json.h"
 
 namespace drupe {
@@ -26,6 +27,7 @@ class ScanRoutes {
     DRUPE_ASSIGN_OR_RETURN(Json body, ReadJsonBody(request));
     DRUPE_RETURN_IF_ERROR(ResolveCalibration(body));
     DRUPE_ASSIGN_OR_RETURN(const ScanRequest asked, ParseScanRequest(body));
+    DRUPE_RETURN_IF_ERROR(CheckCalibration(asked));
     spec.payload = ToJson(asked);
     DRUPE_ASSIGN_OR_RETURN(const Job job, jobs().Submit(spec));
     DRUPE_ASSIGN_OR_RETURN(const Json json, Summary(job));
@@ -118,6 +120,26 @@ class ScanRoutes {
     return Status::Ok();
   }
 
+  /// Each picture that the scan takes, from the latest on; who reads slowly misses some. Ends with the scan.
+  Status Watch(const Request& request, Response& response) const {
+    DRUPE_ASSIGN_OR_RETURN(const Job job, Find(request));
+    auto shown = std::make_shared<std::int64_t>(0);
+    response.SetStream("multipart/x-mixed-replace; boundary=frame", [this, id = job.id, shown](StreamSink& sink) {
+      const auto preview = context_.rig.PreviewOf(id, *shown);
+      if (preview) {
+        *shown = preview->number;
+        const std::string head = "--frame\r\nContent-Type: image/jpeg\r\nContent-Length: ";
+        if (!sink.Write(head + std::to_string(preview->jpeg.size()) + "\r\n\r\n" + preview->jpeg + "\r\n"))
+          return false;
+      }
+      const Result<Job> now = jobs().Get(id);
+      if (now.ok() && !IsTerminal(now->state)) return true;
+      sink.Write("--frame--\r\n");
+      return false;
+    });
+    return Status::Ok();
+  }
+
   Status GetFrame(const Request& request, Response& response) const {
     DRUPE_ASSIGN_OR_RETURN(const Job job, Find(request));
     DRUPE_ASSIGN_OR_RETURN(const std::vector<ScanFrame> frames, context_.scans.Frames(job.id));
@@ -145,20 +167,43 @@ class ScanRoutes {
     return NotFound("scan_not_found", "there is no scan " + job.id);
   }
 
-  /// A calibration may be named by its id: the scan keeps its content.
+  /// A calibration may be named by its id, or its job's: the scan keeps its content, and what it was made with.
   Status ResolveCalibration(Json& body) const {
-    if (!body.is_object() || !body.contains("calibration") || !body["calibration"].is_string()) return Status::Ok();
+    if (!body.is_object()) return Status::Ok();
+    body.erase("calibrated_for");
+    if (!body.contains("calibration") || !body["calibration"].is_string()) return Status::Ok();
     const auto id = body["calibration"].get<std::string>();
-    const Result<Job> job = jobs().Get(id);
-    if (!job.ok() || job->kind != kCalibrateKind) {
-      return NotFound("calibration_not_found", "there is no calibration " + id, "calibration");
+    const Result<StoredCalibration> stored = context_.capture.calibrations.Get(id);
+    if (!stored.ok()) {
+      const Result<Job> job = jobs().Get(id);
+      return job.ok() && job->kind == kCalibrateKind ? CalibrationNotReady(*job) : stored.status();
     }
-    if (job->state != JobState::kSucceeded || !job->result) {
-      return {StatusKind::kConflict, "calibration_not_ready",
-              std::string("there is no calibration: its state is ") + JobStateName(job->state), "calibration"};
-    }
-    body["calibration"] = job->result->value("calibration", Json());
+    body["calibration"] = stored->calibration;
+    body["calibrated_for"] = ToJson(stored->binding);
     return Status::Ok();
+  }
+
+  /// Refuses at once what the scan would refuse when it opens the camera, as far as it is known now.
+  Status CheckCalibration(const ScanRequest& asked) const {
+    if (asked.calibration.is_null()) return Status::Ok();
+    CameraBinding used{"", asked.lens};
+    if (!asked.calibrated_for.serial.empty()) used.serial = SerialOf(asked.camera_id);
+    DRUPE_RETURN_IF_ERROR(CheckBinding(asked.calibrated_for, used));
+    const CameraRegion& region = asked.camera.region;
+    if (region.width == 0 || region.height == 0) return Status::Ok();
+    DRUPE_ASSIGN_OR_RETURN(const Calibration calibration, ParseCalibration(asked.calibration));
+    return CheckCalibrationSize(calibration, region.width, region.height);
+  }
+
+  /// Of a camera that answers now; empty when it does not.
+  std::string SerialOf(const std::string& camera_id) const {
+    const Result<std::vector<CameraInfo>> cameras = context_.capture.cameras.List();
+    if (!cameras.ok()) return "";
+    for (const CameraInfo& camera : *cameras) {
+      const bool is_only_one = camera_id.empty() && cameras->size() == 1;
+      if (is_only_one || camera.id == camera_id || camera.address == camera_id) return camera.serial;
+    }
+    return "";
   }
 
   Json HandOverJson(const ScanRecord& record, const std::vector<ScanFrame>& frames) const {
@@ -176,7 +221,10 @@ class ScanRoutes {
 
   Json LinksJson(const std::string& id) const {
     const std::string self = LinkOf(id);
-    return {{"self", self}, {"events", self + "/events"}, {"preview", self + "/preview.jpg"}};
+    return {{"self", self},
+            {"events", self + "/events"},
+            {"preview", self + "/preview.jpg"},
+            {"live", self + "/preview.mjpeg"}};
   }
 
   Result<Json> Summary(const Job& job) const {
@@ -218,6 +266,7 @@ void AddScanRoutes(Router& router, const ScanContext& context) {
   add("POST", "/scans/{id:scan}/resume", {}, &ScanRoutes::Resume);
   add("GET", "/scans/{id:scan}/events", plain, &ScanRoutes::Follow);
   add("GET", "/scans/{id:scan}/preview.jpg", plain, &ScanRoutes::Preview);
+  add("GET", "/scans/{id:scan}/preview.mjpeg", plain, &ScanRoutes::Watch);
   add("GET", "/scans/{id:scan}/frames/{name}", plain, &ScanRoutes::GetFrame);
   add("POST", "/turntable/stop", {.reserved = true}, &ScanRoutes::StopTable);
 }

@@ -14,7 +14,7 @@ struct ScanContext {
 };
 
 /// POST and GET /scans, GET and DELETE /scans/ID, POST /scans/ID/resume, GET /scans/ID/events, /scans/ID/preview.jpg,
-/// /scans/ID/frames/NAME, POST /turntable/stop.
+/// /scans/ID/preview.mjpeg, /scans/ID/frames/NAME, POST /turntable/stop.
 void AddScanRoutes(Router& router, const ScanContext& context);
 
 }  // namespace drupe

@@ -44,6 +44,7 @@ Status ReadTable(const Json& json, ScanRequest& request) {
 Status ReadChecks(const Json& json, FrameCheckOptions& checks) {
   OptionReader reader(json, "checks");
   reader.Read("min_sharpness_ratio", checks.min_sharpness_ratio);
+  reader.Read("min_ratio", checks.min_ratio);
   reader.Read("max_saturated_pct", checks.max_saturated_pct);
   reader.Read("min_bright_level", checks.min_bright_level);
   reader.Read("max_motion_px", checks.max_motion_px);
@@ -76,6 +77,7 @@ Status ReadMode(OptionReader& reader, ScanMode& mode) {
 
 Status ScanRequest::Check() const {
   if (camera_id.size() > 128) return Invalid("camera", "an id of at most 128 characters");
+  if (lens.size() > 128) return Invalid("lens", "at most 128 characters");
   DRUPE_RETURN_IF_ERROR(camera.Check());
   DRUPE_RETURN_IF_ERROR(table.Check());
   DRUPE_RETURN_IF_ERROR(checks.Check());
@@ -93,12 +95,13 @@ Result<ScanRequest> ParseScanRequest(const Json& json) {
   if (!json.is_object()) return InvalidArgument("invalid_request", "the body must be a JSON object");
   ScanRequest request;
   Json rest = json;  // without what is not plain
-  for (const char* key : {"camera", "turntable", "calibration", "board"}) rest.erase(key);
+  for (const char* key : {"camera", "turntable", "calibration", "calibrated_for", "board"}) rest.erase(key);
   OptionReader reader(rest, "");
   DRUPE_RETURN_IF_ERROR(ReadCamera(json.value("camera", Json()), request));
   DRUPE_RETURN_IF_ERROR(ReadTable(json.value("turntable", Json()), request));
   if (request.table_turns_by_itself) request.mode = ScanMode::kContinuous;
   DRUPE_RETURN_IF_ERROR(ReadMode(reader, request.mode));
+  reader.Read("lens", request.lens);
   reader.Read("views", request.views);
   reader.Read("turn_s", request.turn_s);
   reader.Read("retakes", request.retakes);
@@ -109,6 +112,9 @@ Result<ScanRequest> ParseScanRequest(const Json& json) {
   if (const Json* options = reader.Nested("options")) request.options = *options;
   DRUPE_RETURN_IF_ERROR(reader.Finish());
   request.calibration = json.value("calibration", Json());
+  if (const Json made_with = json.value("calibrated_for", Json()); !made_with.is_null()) {
+    DRUPE_ASSIGN_OR_RETURN(request.calibrated_for, ParseCameraBinding(made_with));
+  }
   request.board = json.value("board", Json("default"));
   DRUPE_RETURN_IF_ERROR(CheckDocuments(request));
   request.checks.dictionary = DictionaryOf(request.board);
@@ -133,6 +139,7 @@ Json ToJson(const ScanRequest& request) {
           {"retakes", request.retakes},
           {"checks",
            {{"min_sharpness_ratio", request.checks.min_sharpness_ratio},
+            {"min_ratio", request.checks.min_ratio},
             {"max_saturated_pct", request.checks.max_saturated_pct},
             {"min_bright_level", request.checks.min_bright_level},
             {"max_motion_px", request.checks.max_motion_px},
@@ -140,6 +147,8 @@ Json ToJson(const ScanRequest& request) {
             {"min_markers", request.checks.min_markers}}},
           {"jpeg_quality", request.jpeg_quality},
           {"calibration", request.calibration},
+          {"calibrated_for", ToJson(request.calibrated_for)},
+          {"lens", request.lens},
           {"board", request.board},
           {"options", request.options},
           {"reconstruct", request.reconstruct},

@@ -5,6 +5,7 @@
 #include "base/json.h"
 #include "base/status.h"
 #include "capture/camera/camera_options.h"
+#include "capture/camera_binding.h"
 #include "capture/scan/frame_check.h"
 #include "capture/turntable/turntable.h"
 
@@ -28,6 +29,8 @@ struct ScanRequest {
   FrameCheckOptions checks;
   int jpeg_quality = 97;          ///< 50..100, with full colour resolution
   Json calibration;               ///< calibration.json, or null
+  CameraBinding calibrated_for;   ///< what the calibration was made with, as far as it is known
+  std::string lens;               ///< the lens's setting now, in the user's words; empty: not told
   Json board = "default";         ///< "default", board.json, or null
   Json options = Json::object();  ///< of the reconstruction
   bool reconstruct = true;

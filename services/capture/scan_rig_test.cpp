@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <thread>
 
 #include "base/ids.h"
@@ -150,6 +151,30 @@ TEST_F(ScanRunTest, ATurnGivesEveryViewAtItsAngleThoughPulsesAreMissed) {
   ASSERT_TRUE(status.ok()) << status.ToString();
   ExpectWhole(36, 3);
   EXPECT_FALSE(rig_->table().moving());
+}
+
+TEST_F(ScanRunTest, ATableThatTurnsByItselfIsFollowedByItsPulses) {
+  rig_ = StartRig({.spin = true, .spin_deg_s = 61});  // not quite the 60 that the scan is told
+  const Status status = Scan(Request({{"turntable", "external"}, {"turn_s", 6}}));
+  ASSERT_TRUE(status.ok()) << status.ToString();
+  const auto frames = scans_->Frames("scan_test");
+  ASSERT_EQ(frames->size(), 36U);
+  std::set<std::string> pictures;
+  for (const ScanFrame& frame : *frames) pictures.insert(frame.sha256);
+  EXPECT_EQ(pictures.size(), 36U);  // of each angle one
+  EXPECT_TRUE(rig_->table().moving());
+}
+
+TEST_F(ScanRunTest, RefusesACalibrationOfAnotherCamera) {
+  ScanRequest request = QuickSteps();
+  request.calibration = *ParseJson(
+      R"({"width": 1280, "height": 720, "K": [[900, 0, 640], [0, 900, 360], [0, 0, 1]], "dist": [0, 0, 0, 0, 0]})");
+  request.calibrated_for.serial = "another";
+  EXPECT_EQ(Scan(request).code(), "calibration_camera_mismatch");
+  request.calibrated_for = {"", "25 mm"};
+  request.lens = "16 mm";
+  EXPECT_EQ(Scan(request).code(), "calibration_lens_mismatch");
+  EXPECT_EQ(rig_->table().position_deg(), 0);
 }
 
 TEST_F(ScanRunTest, RefusesACalibrationOfAnotherSizeBeforeAnythingMoves) {

@@ -106,6 +106,7 @@ Status ScanRun::OpenCamera() {
   DRUPE_RETURN_IF_ERROR(camera_.Ensure());
   DRUPE_RETURN_IF_ERROR(SaveCounters());
   if (request_.calibration.is_null()) return Status::Ok();
+  DRUPE_RETURN_IF_ERROR(CheckBinding(request_.calibrated_for, {camera_.identity().serial, request_.lens}));
   DRUPE_ASSIGN_OR_RETURN(const Calibration calibration, ParseCalibration(request_.calibration));
   return CheckCalibrationSize(calibration, camera_.width(), camera_.height());
 }

@@ -9,6 +9,7 @@
 #include "capture/camera/steady_camera.h"
 #include "capture/rig_state.h"
 #include "capture/scan/frame_check.h"
+#include "capture/scan/shutter_clock.h"
 #include "capture/scan_request.h"
 #include "capture/scan_store.h"
 #include "capture/turntable/grbl_turntable.h"
@@ -34,7 +35,8 @@ class ScanRun {
   ~ScanRun();
 
   /// Returns once every view is stored. Stops the table however it ends. Errors: those of Turntable and SteadyCamera,
-  /// 422 `calibration_size_mismatch`, 503 `views_missing`, `cancelled`.
+  /// 422 `calibration_size_mismatch`, `calibration_camera_mismatch`, `calibration_lens_mismatch`, 503 `views_missing`,
+  /// `cancelled`.
   Status Run();
 
  private:
@@ -52,6 +54,7 @@ class ScanRun {
   Status TakeTurning();
   Status Sweep();
   Status WatchTurn(double end_deg);
+  double AngleByPulses(const RawFrame& frame);
   Status TakeTurningFrame(const RawFrame& frame, double angle_deg);
 
   /// Develops, checks and shows a frame.
@@ -68,6 +71,12 @@ class ScanRun {
   SteadyCamera camera_;
   std::unique_ptr<Turntable> table_;
   FrameInspector inspector_;
+  ShutterClock shutter_clock_;
+  struct {
+    std::uint64_t timestamp_ns = 0;
+    std::chrono::steady_clock::time_point received;
+    double angle_deg = 0;
+  } last_pulse_;  ///< of a table that says nothing
   std::set<int> missing_;
   std::optional<double> phase_deg_;  ///< of the first view's angle from its nominal one, when pulses are not at 0
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "base/log.h"
@@ -66,8 +67,13 @@ Status ScanRun::WatchTurn(double end_deg) {
     DRUPE_ASSIGN_OR_RETURN(const TableReading after, table_->Read());
     track.Add(after.at, after.angle_deg);
     if (frame.ok() && frame->received > start) {
-      const std::optional<double> angle = track.AngleAt(frame->received);
-      if (angle) DRUPE_RETURN_IF_ERROR(TakeTurningFrame(*frame, *angle));
+      const auto exposed = shutter_clock_.ExposedAt(frame->timestamp_ns, frame->received);
+      const std::optional<double> angle = track.AngleAt(exposed);
+      if (!table_->can_position()) {
+        DRUPE_RETURN_IF_ERROR(TakeTurningFrame(*frame, AngleByPulses(*frame)));
+      } else if (angle) {
+        DRUPE_RETURN_IF_ERROR(TakeTurningFrame(*frame, *angle));
+      }
     } else if (!frame.ok() && frame.status().code() == "camera_away") {
       return frame.status();
     }
@@ -77,6 +83,20 @@ Status ScanRun::WatchTurn(double end_deg) {
     if (ended && SteadyClock::now() - rested > (table_->can_position() ? kLastFrames : milliseconds(0))) break;
   }
   return Status::Ok();
+}
+
+/// Where a table that says nothing stands is told by its pulses: from one frame to the next it turned by as many steps
+/// as fit the time best, so that a speed which is not quite what was asked for does not add up.
+double ScanRun::AngleByPulses(const RawFrame& frame) {
+  double seconds = std::chrono::duration<double>(frame.received - last_pulse_.received).count();
+  if (frame.timestamp_ns > last_pulse_.timestamp_ns && last_pulse_.timestamp_ns > 0) {
+    seconds = static_cast<double>(frame.timestamp_ns - last_pulse_.timestamp_ns) * 1e-9;
+  }
+  const double steps = std::max(1.0, std::round(seconds * request_.turning_deg_s() / request_.step_deg()));
+  const bool is_first = last_pulse_.received == SteadyClock::time_point();
+  last_pulse_ = {frame.timestamp_ns, frame.received,
+                 is_first ? 0 : last_pulse_.angle_deg + steps * request_.step_deg()};
+  return last_pulse_.angle_deg;
 }
 
 Status ScanRun::TakeTurningFrame(const RawFrame& frame, double angle_deg) {

@@ -1,10 +1,8 @@
 #include "defect_analysis/model_request.h"
 
-#include <optional>
-
 #include "base/ids.h"
 #include "defect_analysis/models/labelled_colours.h"
-#include "http/multipart.h"
+#include "http/buffered_form.h"
 #include "image/decode.h"
 
 namespace drupe {
@@ -28,33 +26,10 @@ struct StoredImage {
   int height = 0;
 };
 
-/// Collects the parts of a form. One part at a time is in memory.
-class FormSink : public PartSink {
+/// Collects the parts of a form.
+class ModelForm : public BufferedForm {
  public:
-  FormSink(ObjectStore& objects, const Limits& limits) : objects_(objects), limits_(limits) {}
-
-  Status BeginPart(const PartHead& head) override {
-    head_ = head;
-    bytes_.clear();
-    if (head.name == "cloud") return Begin(kMaxCloudBytes, request_.cloud_sha256.size(), kMaxClouds);
-    if (head.name == "image") return Begin(limits_.max_image_bytes, images_.size(), kMaxPictures);
-    if (head.name == "mask") return Begin(limits_.max_image_bytes, masks_.size(), kMaxPictures);
-    if (head.name == "options") return BeginOptions();
-    return InvalidArgument(
-        "unknown_part", "there is no part \"" + head.name + "\"; the parts are cloud, image, mask, options", head.name);
-  }
-
-  /// Keeps one byte more than the limit, which tells that the part is too large.
-  Status WritePart(std::string_view bytes) override {
-    bytes_.append(bytes.substr(0, max_bytes_ + 1 - bytes_.size()));
-    return Status::Ok();
-  }
-
-  Status EndPart() override {
-    if (head_.name == "cloud") return EndCloud();
-    if (head_.name == "options") return EndOptions();
-    return EndImage(head_.name == "image" ? images_ : masks_);
-  }
+  ModelForm(ObjectStore& objects, const Limits& limits) : objects_(objects), limits_(limits) {}
 
   Result<ModelRequest> Finish() {
     if (images_.size() != masks_.size()) {
@@ -71,40 +46,48 @@ class FormSink : public PartSink {
   }
 
  private:
-  Status Begin(std::size_t max_bytes, std::size_t already, std::size_t most) {
-    max_bytes_ = max_bytes;
-    return already < most ? Status::Ok() : TooMany(head_.name, most);
+  Result<std::size_t> LimitOf(const PartHead& head) override {
+    if (head.name == "cloud") return LimitOfOne(head, kMaxCloudBytes, request_.cloud_sha256.size(), kMaxClouds);
+    if (head.name == "image") return LimitOfOne(head, limits_.max_image_bytes, images_.size(), kMaxPictures);
+    if (head.name == "mask") return LimitOfOne(head, limits_.max_image_bytes, masks_.size(), kMaxPictures);
+    if (head.name == "options") return OnlyOnce(head, kMaxOptionBytes);
+    return UnknownPart(head, "cloud, image, mask, options");
   }
 
-  Status BeginOptions() {
-    max_bytes_ = kMaxOptionBytes;
-    if (!has_options_) return Status::Ok();
-    return InvalidArgument("duplicate_part", "the part options comes twice", "options");
+  Status TakePart(const PartHead& head, std::string bytes) override {
+    if (head.name == "cloud") return TakeCloud(bytes);
+    if (head.name == "options") return TakeOptions(bytes);
+    return TakeImage(head, bytes, head.name == "image" ? images_ : masks_);
   }
 
-  Status EndCloud() {
-    if (bytes_.size() > kMaxCloudBytes) {
+  static Result<std::size_t> LimitOfOne(const PartHead& head, std::size_t limit, std::size_t already,
+                                        std::size_t most) {
+    if (already < most) return limit;
+    return TooMany(head.name, most);
+  }
+
+  Status TakeCloud(const std::string& bytes) {
+    if (bytes.size() > kMaxCloudBytes) {
       return {StatusKind::kTooLarge, "cloud_too_large",
               "a cloud has at most " + std::to_string(kMaxCloudBytes >> 20) + " MB", "cloud"};
     }
-    DRUPE_RETURN_IF_ERROR(ReadLabelledPly(bytes_).status());
-    DRUPE_ASSIGN_OR_RETURN(const ObjectInfo object, objects_.Put(bytes_));
+    DRUPE_RETURN_IF_ERROR(ReadLabelledPly(bytes).status());
+    DRUPE_ASSIGN_OR_RETURN(const ObjectInfo object, objects_.Put(bytes));
     request_.cloud_sha256.push_back(object.sha256);
     return Status::Ok();
   }
 
-  Status EndImage(std::vector<StoredImage>& images) {
-    DRUPE_RETURN_IF_ERROR(CheckImageName(head_.filename));
-    DRUPE_ASSIGN_OR_RETURN(const ImageInfo info, VerifyImage(bytes_, limits_));
-    DRUPE_ASSIGN_OR_RETURN(const ObjectInfo object, objects_.Put(bytes_));
-    images.push_back({head_.filename, object.sha256, info.width, info.height});
+  Status TakeImage(const PartHead& head, const std::string& bytes, std::vector<StoredImage>& images) {
+    DRUPE_RETURN_IF_ERROR(CheckImageName(head.filename));
+    DRUPE_ASSIGN_OR_RETURN(const ImageInfo info, VerifyImage(bytes, limits_));
+    DRUPE_ASSIGN_OR_RETURN(const ObjectInfo object, objects_.Put(bytes));
+    images.push_back({head.filename, object.sha256, info.width, info.height});
     return Status::Ok();
   }
 
-  Status EndOptions() {
-    DRUPE_ASSIGN_OR_RETURN(const Json json, ParseJson(bytes_, {.max_bytes = kMaxOptionBytes}));
+  Status TakeOptions(const std::string& bytes) {
+    DRUPE_ASSIGN_OR_RETURN(const Json json, ParseJson(bytes, {.max_bytes = kMaxOptionBytes}));
     DRUPE_ASSIGN_OR_RETURN(request_.options, ParseTrainOptions(json));
-    has_options_ = true;
     return Status::Ok();
   }
 
@@ -112,10 +95,6 @@ class FormSink : public PartSink {
   const Limits& limits_;
   ModelRequest request_;
   std::vector<StoredImage> images_, masks_;
-  bool has_options_ = false;
-  PartHead head_;
-  std::string bytes_;
-  std::size_t max_bytes_ = 0;
 };
 
 }  // namespace
@@ -144,9 +123,9 @@ Result<ModelRequest> ParseModelPayload(const Json& payload) {
 }
 
 Result<ModelRequest> ReadModelForm(const Request& http, ObjectStore& objects, const Limits& limits) {
-  FormSink sink(objects, limits);
-  DRUPE_RETURN_IF_ERROR(ReadMultipart(http, sink, {.max_parts = static_cast<int>(kMaxClouds + 2 * kMaxPictures) + 4}));
-  return sink.Finish();
+  ModelForm form(objects, limits);
+  DRUPE_RETURN_IF_ERROR(ReadMultipart(http, form, {.max_parts = static_cast<int>(kMaxClouds + 2 * kMaxPictures) + 4}));
+  return form.Finish();
 }
 
 }  // namespace drupe

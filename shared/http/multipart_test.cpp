@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "http/buffered_form.h"
+
 namespace drupe {
 namespace {
 
@@ -33,6 +35,35 @@ class CollectingSink : public PartSink {
   std::vector<Part> parts;
   std::size_t largest = 0;
 };
+
+class NumberForm : public BufferedForm {
+ public:
+  std::vector<std::string> taken;
+
+ private:
+  Result<std::size_t> LimitOf(const PartHead& head) override {
+    if (head.name == "number") return OnlyOnce(head, 3);
+    return UnknownPart(head, "number");
+  }
+  Status TakePart(const PartHead& head, std::string bytes) override {
+    taken.push_back(head.name + "=" + bytes);
+    return Status::Ok();
+  }
+};
+
+Status FeedPart(const std::string& name, const std::string& bytes, BufferedForm& form) {
+  DRUPE_RETURN_IF_ERROR(form.BeginPart({.name = name, .filename = "", .content_type = ""}));
+  for (const char byte : bytes) DRUPE_RETURN_IF_ERROR(form.WritePart({&byte, 1}));
+  return form.EndPart();
+}
+
+TEST(BufferedFormTest, GathersEachPartUpToItsLimit) {
+  NumberForm form;
+  EXPECT_EQ(FeedPart("letter", "a", form).code(), "unknown_part");
+  ASSERT_TRUE(FeedPart("number", "12345", form).ok());
+  EXPECT_EQ(form.taken, std::vector<std::string>{"number=1234"});  // one byte more than the limit
+  EXPECT_EQ(FeedPart("number", "1", form).code(), "duplicate_part");
+}
 
 /// Bytes that look like the delimiter "\r\n--B0" again and again, without being it.
 constexpr std::string_view kTricky = "\r\n--B\r\n--\r\n-\r\n\r\r\n--B1\r\n--b0--B0\r";

@@ -41,54 +41,60 @@ void FillFromSource(const Response& response, httplib::Response& reply) {
                              });
 }
 
+class ChunkSink : public StreamSink {
+ public:
+  explicit ChunkSink(httplib::DataSink& sink) : sink_(sink) {}
+  bool Write(std::string_view bytes) override { return sink_.write(bytes.data(), bytes.size()); }
+
+ private:
+  httplib::DataSink& sink_;
+};
+
 class SseSink : public EventSink {
  public:
-  explicit SseSink(httplib::DataSink& sink) : sink_(sink) {}
+  explicit SseSink(StreamSink& sink) : sink_(sink) {}
   bool Send(std::string_view event, const Json& data) override {
     const std::string text = "event: " + std::string(event) + "\ndata: " + DumpJson(data) + "\n\n";
     sent_ = true;
-    return sink_.write(text.data(), text.size());
+    return sink_.Write(text);
   }
   bool sent() const { return sent_; }
 
  private:
-  httplib::DataSink& sink_;
+  StreamSink& sink_;
   bool sent_ = false;
 };
 
 /// One turn of an event stream: what is new, or a heartbeat when nothing has been for a while.
-bool SendEvents(const EventProducer& producer, SteadyClock::time_point& last_sent, httplib::DataSink& sink) {
-  constexpr std::string_view kComment = ": heartbeat\n\n";
+bool SendEvents(const EventProducer& producer, SteadyClock::time_point& last_sent, StreamSink& sink) {
   SseSink events(sink);
-  const bool more = producer(events);
-  if (!more) {
-    sink.done();
-    return true;
-  }
+  if (!producer(events)) return false;
   const SteadyClock::time_point now = SteadyClock::now();
   if (events.sent()) last_sent = now;
   if (now - last_sent < kHeartbeat) return true;
   last_sent = now;
-  return sink.write(kComment.data(), kComment.size());
+  return sink.Write(": heartbeat\n\n");
 }
 
-void FillFromEvents(EventProducer producer, Connection& connection, const std::atomic<bool>& stopping,
-                    httplib::Response& reply) {
+StreamProducer StreamOf(EventProducer producer) {
+  auto last_sent = std::make_shared<SteadyClock::time_point>(SteadyClock::now());
+  return
+      [producer = std::move(producer), last_sent](StreamSink& sink) { return SendEvents(producer, *last_sent, sink); };
+}
+
+void FillFromStream(const std::string& type, StreamProducer producer, Connection& connection,
+                    const std::atomic<bool>& stopping, httplib::Response& reply) {
   reply.set_header("Cache-Control", "no-store");
   reply.set_header("X-Accel-Buffering", "no");  // a proxy must pass events on at once
-  auto last_sent = std::make_shared<SteadyClock::time_point>(SteadyClock::now());
   auto is_first = std::make_shared<bool>(true);
-  reply.set_chunked_content_provider("text/event-stream",
-                                     [producer = std::move(producer), last_sent, is_first, &connection, &stopping](
-                                         std::size_t, httplib::DataSink& sink) {
-                                       if (!std::exchange(*is_first, false)) std::this_thread::sleep_for(kEventPoll);
-                                       if (connection.PeerHasGone()) return false;
-                                       if (stopping) {
-                                         sink.done();
-                                         return true;
-                                       }
-                                       return SendEvents(producer, *last_sent, sink);
-                                     });
+  reply.set_chunked_content_provider(
+      type, [producer = std::move(producer), is_first, &connection, &stopping](std::size_t, httplib::DataSink& sink) {
+        if (!std::exchange(*is_first, false)) std::this_thread::sleep_for(kEventPoll);
+        if (connection.PeerHasGone()) return false;
+        ChunkSink chunks(sink);
+        if (stopping || !producer(chunks)) sink.done();
+        return true;
+      });
 }
 
 }  // namespace
@@ -97,7 +103,9 @@ void FillReply(Response response, Connection& connection, const std::atomic<bool
   reply.status = response.status;
   for (const auto& [name, value] : response.headers) reply.set_header(name, value);
   if (response.events) {
-    FillFromEvents(std::move(response.events), connection, stopping, reply);
+    FillFromStream("text/event-stream", StreamOf(std::move(response.events)), connection, stopping, reply);
+  } else if (response.stream) {
+    FillFromStream(response.content_type, std::move(response.stream), connection, stopping, reply);
   } else if (response.source) {
     FillFromSource(response, reply);
   } else if (!response.body.empty()) {

@@ -39,6 +39,18 @@ class EventSink {
 /// adds a heartbeat comment every 10 s and ends the stream when it stops.
 using EventProducer = std::function<bool(EventSink&)>;
 
+/// Where a stream of bytes is written.
+class StreamSink {
+ public:
+  virtual ~StreamSink() = default;
+  /// False when the client has gone. A client that reads slowly holds up its own stream only.
+  virtual bool Write(std::string_view bytes) = 0;
+};
+
+/// Called again and again (every 200 ms, or when a slow client has taken what was sent) while the client listens;
+/// writes what is new. False ends the stream, which also ends when the server stops.
+using StreamProducer = std::function<bool(StreamSink&)>;
+
 /// What a handler answers. Nothing set means 200 with an empty body.
 struct Response {
   int status = 200;
@@ -54,12 +66,18 @@ struct Response {
   /// Instead of `body`: server-sent events.
   EventProducer events;
 
+  /// Instead of `body`: bytes as they come, of `content_type`.
+  StreamProducer stream;
+
   void SetHeader(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }
   void SetJson(const Json& json, int http_status = 200);
   void SetText(std::string text, std::string type, int http_status = 200);
   /// Replaces everything by the error of `error`; 503 and 429 get Retry-After.
   void SetError(const Status& error);
   void SetEvents(EventProducer producer) { events = std::move(producer); }
+  void SetStream(std::string type, StreamProducer producer) {
+    content_type = std::move(type), stream = std::move(producer);
+  }
 };
 
 }  // namespace drupe

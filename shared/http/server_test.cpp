@@ -132,6 +132,11 @@ class ServerTest : public testing::Test {
         return !end_events_;
       });
     });
+    router.Add("GET", "/stream", {}, [](const Request&, Response& response) {
+      response.SetStream("multipart/x-mixed-replace; boundary=frame", [sent = 0](StreamSink& sink) mutable {
+        return sink.Write("piece " + std::to_string(++sent) + ";") && sent < 3;
+      });
+    });
   }
 
   std::string Exchange(const std::string& request) {
@@ -368,6 +373,14 @@ TEST_F(ServerTest, EventsUntilTheClientLeaves) {
   })) << "the stream goes on for a client that has left";
   end_events_ = true;
   EXPECT_NE(Get("/events").find("0\r\n\r\n"), std::string::npos);  // the place is free again
+}
+
+TEST_F(ServerTest, AStreamGoesOnUntilItsProducerEndsIt) {
+  Start();
+  const std::string reply = Get("/stream");
+  EXPECT_NE(reply.find("Content-Type: multipart/x-mixed-replace; boundary=frame\r\n"), std::string::npos) << reply;
+  for (const char* piece : {"piece 1;", "piece 2;", "piece 3;"}) EXPECT_NE(reply.find(piece), std::string::npos);
+  EXPECT_TRUE(reply.ends_with("0\r\n\r\n")) << reply;
 }
 
 TEST_F(ServerTest, StopFinishesWhatIsBeingAnswered) {

@@ -169,7 +169,12 @@ class OpenApiTest(DrupeTest):
 
         wait_for("calibration", ended, 120, 0.2)
         self.call("capture", "GET", path, expect=200)
-        self.call("capture", "GET", f"{path}/calibration.json", expect=200)
+        own = f"/calibrations/{self.call('capture', 'GET', path).json()['calibration_id']}"
+        for folder in (path, own):
+            self.call("capture", "GET", f"{folder}/calibration.json", expect=200)
+            self.call("capture", "GET", f"{folder}/coverage.png", expect=200)
+        self.call("capture", "GET", own, expect=200)
+        self.call("capture", "GET", f"/calibrations/cal_{UNKNOWN}/coverage.png", expect=404)
         self.call("capture", "GET", f"/calibrations/cal_{UNKNOWN}", expect=404)
         self.call("capture", "GET", "/calibrations?status=succeeded&limit=1", expect=200)
         self.call("capture", "GET", "/calibrations?limit=0", expect=400)
@@ -209,6 +214,10 @@ class OpenApiTest(DrupeTest):
 
         wait_for("two frames", frames, 60, 0.1)
         self.call("capture", "GET", f"{path}/preview.jpg", expect=200)
+        stream = self.call("capture", "GET", f"{path}/preview.mjpeg", expect=200)  # to the scan's end
+        self.assertTrue(stream.body.startswith(b"--frame\r\nContent-Type: image/jpeg\r\n"), stream)
+        self.assertTrue(stream.body.endswith(b"--frame--\r\n"), stream)
+        self.call("capture", "GET", f"/scans/scan_{UNKNOWN}/preview.mjpeg", expect=404)
         name = self.call("capture", "GET", path, expect=200).json()["frames"][0]["name"]
         tag = self.call("capture", "GET", f"{path}/frames/{name}", expect=200).headers["etag"]
         self.call("capture", "GET", f"{path}/frames/{name}", headers={"If-None-Match": tag}, expect=304)
@@ -219,6 +228,27 @@ class OpenApiTest(DrupeTest):
         self.call("capture", "GET", f"/scans/scan_{UNKNOWN}", expect=404)
         self.call("capture", "POST", "/scans", {"views": 1}, expect=400)
         self.call("capture", "POST", "/scans", {"calibration": "cal_unknown"}, expect=404)
+
+    def test_5_calibration_session(self):
+        rig = fake_rig.FakeRig(pictures="calibration")
+        self.addCleanup(rig.close)
+        pattern = json.loads((SAMPLE / "calibration/pattern.json").read_text())
+        asked = {"camera": {"id": rig.camera}, "pattern": pattern, "lens": "25 mm"}
+        path = f"/calibration-sessions/{self.call('capture', 'POST', '/calibration-sessions', asked, expect=201).json()['id']}"
+        self.call("capture", "GET", f"{path}/preview.jpg", expect=404)
+        taken = self.call("capture", "POST", f"{path}/frames", {}, expect=200).json()
+        self.assertTrue(taken["kept"], taken)
+        self.call("capture", "POST", f"{path}/finish", {}, expect=409)
+        while len(taken["session"]["images"]) < 4:
+            rig.tell("turn 36")  # to the next picture
+            taken = self.call("capture", "POST", f"{path}/frames", {}, expect=200).json()
+        self.assertFalse(taken["session"]["guidance"]["complete"])
+        self.call("capture", "GET", path, expect=200)
+        self.call("capture", "GET", f"{path}/preview.jpg", expect=200)
+        self.call("capture", "POST", f"{path}/finish", {}, expect=202)
+        self.call("capture", "DELETE", path, expect=204)
+        self.call("capture", "GET", path, expect=404)
+        self.call("capture", "POST", "/calibration-sessions", {"pattern": {"pattern": "circles"}}, expect=400)
 
     def test_5_cancelled_scan(self):
         absent = {"camera": "Nobody-Nothing-0", "turntable": "external"}

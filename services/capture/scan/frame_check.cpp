@@ -68,9 +68,20 @@ double LevelExceededByOnePercent(const GrayImage& image) {
   return level;
 }
 
+/// 0 while there are too few to tell.
+double MedianOf(std::vector<double> values) {
+  if (values.size() < 3) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace
 
 Status FrameCheckOptions::Check() const {
+  if (!(min_ratio >= 0 && min_ratio < 1)) {
+    return InvalidArgument("invalid_option", "checks.min_ratio must be 0 to 1", "checks.min_ratio");
+  }
   if (!(min_sharpness_ratio >= 0 && min_sharpness_ratio < 1)) {
     return InvalidArgument("invalid_option", "checks.min_sharpness_ratio must be 0 to 1", "checks.min_sharpness_ratio");
   }
@@ -129,21 +140,27 @@ FrameCheck FrameInspector::Inspect(const RgbImage& image, double motion_px, bool
   return check;
 }
 
-double FrameInspector::MedianSharpness() const {
-  if (sharpness_.size() < 3) return 0;
-  std::vector<double> sorted = sharpness_;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  return sorted[sorted.size() / 2];
+void FrameInspector::Remember(const FrameCheck& kept) {
+  sharpness_.push_back(kept.sharpness);
+  bright_.push_back(kept.bright_level);
+  if (kept.change >= 0) change_.push_back(kept.change);
+  if (kept.markers >= 0) markers_.push_back(kept.markers);
 }
 
 void FrameInspector::Judge(FrameCheck& check, bool turned) const {
-  const double least = std::max(options_.min_first_sharpness, options_.min_sharpness_ratio * MedianSharpness());
-  if (check.sharpness < least) check.faults.emplace_back("blurred");
-  if (check.saturated_pct > options_.max_saturated_pct) check.faults.emplace_back("saturated");
-  if (check.bright_level < options_.min_bright_level) check.faults.emplace_back("dark");
-  if (check.motion_px > options_.max_motion_px) check.faults.emplace_back("moved");
-  if (turned && check.change >= 0 && check.change < options_.min_change) check.faults.emplace_back("duplicate");
-  if (check.markers >= 0 && check.markers < options_.min_markers) check.faults.emplace_back("no_board");
+  const auto least = [](double limit, double ratio, const std::vector<double>& kept) {
+    return std::max(limit, ratio * MedianOf(kept));
+  };
+  const double ratio = options_.min_ratio;
+  const auto add = [&check](bool fault, const char* name) {
+    if (fault) check.faults.emplace_back(name);
+  };
+  add(check.sharpness < least(options_.min_first_sharpness, options_.min_sharpness_ratio, sharpness_), "blurred");
+  add(check.saturated_pct > options_.max_saturated_pct, "saturated");
+  add(check.bright_level < least(options_.min_bright_level, ratio, bright_), "dark");
+  add(check.motion_px > options_.max_motion_px, "moved");
+  add(turned && check.change >= 0 && check.change < least(options_.min_change, ratio, change_), "duplicate");
+  add(check.markers >= 0 && check.markers < least(options_.min_markers, ratio, markers_), "no_board");
 }
 
 }  // namespace drupe

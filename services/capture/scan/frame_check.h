@@ -15,11 +15,14 @@ namespace drupe {
 struct FrameCheckOptions {
   double min_sharpness_ratio = 0.75;  ///< of the scan's median so far
   double min_first_sharpness = 0.02;  ///< while there is no median yet
-  double max_saturated_pct = 25;      ///< pixels with a channel at its end
-  double min_bright_level = 40;       ///< grey level that the brightest percent must reach, 0..255
-  double max_motion_px = 1.5;         ///< that the table's turning smears during the exposure
-  double min_change = 0.35;           ///< mean difference to the frame before, grey levels; less: the same picture
-  int min_markers = 4;                ///< of the board
+  /// Of the scan's medians so far: brightness, change to the frame before, markers. A frame that falls this far behind
+  /// its fellows is at fault though it passes the limits below, which hold while there is no median yet.
+  double min_ratio = 0.3;
+  double max_saturated_pct = 25;  ///< pixels with a channel at its end
+  double min_bright_level = 40;   ///< grey level that the brightest percent must reach, 0..255
+  double max_motion_px = 1.5;     ///< that the table's turning smears during the exposure
+  double min_change = 0.35;       ///< mean difference to the frame before, grey levels; less: the same picture
+  int min_markers = 4;            ///< of the board
   std::string dictionary = "DICT_4X4_250";  ///< of the board's markers; empty: no board is looked for
 
   Status Check() const;
@@ -42,8 +45,8 @@ Json ToJson(const FrameCheck& check);
 /// Reads what ToJson wrote; what is missing keeps its default.
 FrameCheck ParseFrameCheck(const Json& json);
 
-/// Checks the frames of one scan, one after the other. Sharpness is judged against the scan's own frames, since it
-/// depends on what is seen; a duplicate is told by the frame before.
+/// Checks the frames of one scan, one after the other. They are judged against the scan's own frames, since sharpness,
+/// change and the rest depend on what is seen; a duplicate is told by the frame before.
 class FrameInspector {
  public:
   explicit FrameInspector(const FrameCheckOptions& options) : options_(options) {}
@@ -52,14 +55,13 @@ class FrameInspector {
   /// the frame before, so that the picture must have changed.
   FrameCheck Inspect(const RgbImage& image, double motion_px, bool turned);
   /// Takes a frame that was kept into the reference; Inspect does not.
-  void Remember(const FrameCheck& kept) { sharpness_.push_back(kept.sharpness); }
+  void Remember(const FrameCheck& kept);
 
  private:
-  double MedianSharpness() const;
   void Judge(FrameCheck& check, bool turned) const;
 
   const FrameCheckOptions options_;
-  std::vector<double> sharpness_;
+  std::vector<double> sharpness_, bright_, change_, markers_;  ///< of the frames kept
   GrayImage last_small_;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "base/files.h"
 #include "capture/scan/small_picture.h"
@@ -69,6 +70,30 @@ TEST(FrameInspectorTest, FindsEachFault) {
   EXPECT_TRUE(std::count(dark.faults.begin(), dark.faults.end(), "dark")) << ToJson(dark).dump();
   const FrameCheck blank = inspector.Inspect(Changed(first, [](int) { return 128; }), 0, true);
   EXPECT_TRUE(std::count(blank.faults.begin(), blank.faults.end(), "no_board")) << ToJson(blank).dump();
+}
+
+TEST(FrameInspectorTest, JudgesByTheScansOwnFrames) {
+  const RgbImage first = Sample("00.jpg");
+  FrameInspector inspector({});
+  for (const char* name : {"03.jpg", "04.jpg", "05.jpg", "00.jpg"}) {
+    inspector.Remember(inspector.Inspect(Sample(name), 0, true));
+  }
+  // The same view again with the grain of a dark sensor: more change than a fixed limit allows for.
+  RgbImage grainy = first.Clone();
+  std::mt19937 random(1);
+  for (int y = 0; y < grainy.height(); ++y) {
+    for (int x = 0; x < 3 * grainy.width(); ++x) {
+      const int noise = static_cast<int>(random() % 61) - 30;
+      grainy.Row(y)[x] = static_cast<std::uint8_t>(std::clamp(grainy.Row(y)[x] + noise, 0, 255));
+    }
+  }
+  const FrameCheck check = inspector.Inspect(grainy, 0, true);
+  EXPECT_GT(check.change, FrameCheckOptions().min_change);
+  EXPECT_TRUE(std::count(check.faults.begin(), check.faults.end(), "duplicate")) << ToJson(check).dump();
+  // A lamp failed: brighter than a fixed limit asks for, but not than the frames before.
+  const FrameCheck dim = inspector.Inspect(Changed(Sample("07.jpg"), [](int v) { return v / 4; }), 0, true);
+  EXPECT_GT(dim.bright_level, FrameCheckOptions().min_bright_level);
+  EXPECT_TRUE(std::count(dim.faults.begin(), dim.faults.end(), "dark")) << ToJson(dim).dump();
 }
 
 TEST(FrameInspectorTest, WritesWhatItReads) {

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
       "A rig without hardware: a GigE Vision camera on the loopback network that sees a turntable's pictures, and\n"
       "the turntable behind a GRBL controller on a pseudo-terminal. Prints where both are, then takes faults from\n"
       "its standard input, one a line, and ends with it: status, unplug, plug, loss PER_THOUSAND, blur FRAMES,\n"
-      "alarm, skip PULSES, silence, speak.");
+      "alarm, skip PULSES, turn DEGREES, silence, speak.");
   app.add_option("--pictures", pictures, "Directory of one turn's pictures, in order")->capture_default_str();
   app.add_option("--address", options.address, "Address on the loopback network (127.x.x.x)")->capture_default_str();
   app.add_option("--serial", options.serial, "The camera's serial number")->capture_default_str();

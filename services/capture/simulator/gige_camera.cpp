@@ -88,7 +88,7 @@ Status GigeCamera::Plug() {
   wake_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   controller_ = 0;
   ending_ = false;
-  pulses_ = 0;
+  while (TakePulse()) continue;
   thread_ = std::thread([this] { Run(); });
   return Status::Ok();
 }
@@ -103,12 +103,30 @@ void GigeCamera::Unplug() {
   sent_.clear();
 }
 
-void GigeCamera::PulseLine() {
-  ++pulses_;
+void GigeCamera::PulseLine(double table_deg) {
+  {
+    const std::lock_guard lock(pulses_mutex_);
+    pulses_.push_back({SteadyClock::now(), table_deg});
+    if (pulses_.size() > kFramesKept) pulses_.pop_front();
+  }
   if (plugged()) eventfd_write(wake_fd_, 1);
 }
 
+std::optional<GigeCamera::Pulse> GigeCamera::TakePulse() {
+  const std::lock_guard lock(pulses_mutex_);
+  if (pulses_.empty()) return {};
+  const Pulse pulse = pulses_.front();
+  pulses_.pop_front();
+  return pulse;
+}
+
+bool GigeCamera::HasPulse() const {
+  const std::lock_guard lock(pulses_mutex_);
+  return !pulses_.empty();
+}
+
 int GigeCamera::PollMs() const {
+  if (HasPulse()) return 0;
   if (!registers_->is_streaming() || registers_->is_triggered()) return 100;
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(next_free_shot_ - SteadyClock::now());
   return static_cast<int>(std::clamp<long>(left.count(), 0, 100));
@@ -123,10 +141,11 @@ void GigeCamera::Run() {
     eventfd_read(wake_fd_, &count);
     for (const Socket& socket : sockets_) TakeCommands(socket);
     MindHeartbeat();
-    const bool pulsed = pulses_.exchange(0) > 0 && registers_->waits_for_line();
+    std::optional<Pulse> pulse = TakePulse();
+    if (!registers_->waits_for_line()) pulse.reset();
     const bool asked = registers_->TakeSoftwareTrigger();
     const bool free = !registers_->is_triggered() && SteadyClock::now() >= next_free_shot_;
-    if (registers_->is_streaming() && (pulsed || asked || free)) Shoot();
+    if (registers_->is_streaming() && (pulse || asked || free)) Shoot(pulse);
   }
 }
 
@@ -230,7 +249,7 @@ void GigeCamera::SendPacket(const GvspFrame& frame, std::uint32_t index) {
   sendto(sockets_.front().fd, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
 }
 
-void GigeCamera::Shoot() {
+void GigeCamera::Shoot(const std::optional<Pulse>& pulse) {
   next_free_shot_ =
       SteadyClock::now() + std::chrono::microseconds(std::max(1000U, registers_->Get(registers::kFramePeriodUs)));
   GvspFrame frame;
@@ -239,10 +258,11 @@ void GigeCamera::Shoot() {
   if (bytes == 0) return;
   block_id_ = block_id_ == 0xFFFF ? 1 : block_id_ + 1;
   frame.block_id = block_id_;
-  frame.timestamp_ns = static_cast<std::uint64_t>(SteadyClock::now().time_since_epoch().count());
+  const SteadyClock::time_point exposed = pulse ? pulse->at : SteadyClock::now();
+  frame.timestamp_ns = static_cast<std::uint64_t>(exposed.time_since_epoch().count());
   frame.packet_bytes = std::max<std::size_t>(576, registers_->Get(registers::kStreamPacketSize) & 0xFFFF);
   frame.pixels.resize(static_cast<std::size_t>(frame.window.width) * frame.window.height * bytes);
-  expose_(frame.window, frame.pixels);
+  expose_(pulse ? std::optional(pulse->table_deg) : std::nullopt, frame.window, frame.pixels);
   sent_.push_back(std::move(frame));
   if (sent_.size() > kFramesKept) sent_.pop_front();
   const GvspFrame& sending = sent_.back();

@@ -6,6 +6,8 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -35,8 +37,10 @@ struct GigeCameraOptions {
 /// one frame of 660 packets in a thousand.
 class GigeCamera {
  public:
-  /// Fills `pixels` with what the sensor sees now. Called on the camera's thread.
-  using Expose = std::function<void(const SensorWindow& window, std::span<std::uint8_t> pixels)>;
+  /// Fills `pixels` with what the sensor sees: of the table at `table_deg` when a pulse came with it, else now. Called
+  /// on the camera's thread, which may be late for a pulse.
+  using Expose =
+      std::function<void(std::optional<double> table_deg, const SensorWindow& window, std::span<std::uint8_t> pixels)>;
 
   GigeCamera(const GigeCameraOptions& options, Expose expose);
   ~GigeCamera();
@@ -49,8 +53,8 @@ class GigeCamera {
   void Unplug();
   bool plugged() const { return thread_.joinable(); }
 
-  /// A rising edge on Line1.
-  void PulseLine();
+  /// A rising edge on Line1, which exposes what is seen at this moment: the table at `table_deg`.
+  void PulseLine(double table_deg);
   /// Fault: this share of the stream's packets is lost, 0..1; of those sent again too.
   void set_loss(double share) { loss_ = share; }
 
@@ -60,6 +64,10 @@ class GigeCamera {
 
  private:
   struct Socket;
+  struct Pulse {
+    std::chrono::steady_clock::time_point at;
+    double table_deg = 0;
+  };
 
   void Run();
   int PollMs() const;
@@ -68,7 +76,9 @@ class GigeCamera {
   bool MayWrite(const sockaddr_in& from);
   void Resend(std::string_view body);
   void MindHeartbeat();
-  void Shoot();
+  std::optional<Pulse> TakePulse();
+  bool HasPulse() const;
+  void Shoot(const std::optional<Pulse>& pulse);
   void SendPacket(const GvspFrame& frame, std::uint32_t index);
   sockaddr_in StreamAddress() const;
 
@@ -78,7 +88,8 @@ class GigeCamera {
   std::vector<Socket> sockets_;  ///< own address first, then the broadcasts
   int wake_fd_ = -1;
   std::atomic<bool> ending_{false};
-  std::atomic<int> pulses_{0};
+  mutable std::mutex pulses_mutex_;
+  std::deque<Pulse> pulses_;  ///< not exposed yet
   std::atomic<double> loss_{0};
   std::mt19937_64 random_;
   std::uint64_t controller_ = 0;  ///< address and port; 0: nobody

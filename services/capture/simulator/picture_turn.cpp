@@ -82,7 +82,9 @@ int BytesPerPixel(std::uint32_t pixel_format) {
 Result<PictureTurn> PictureTurn::Load(const fs::path& directory) {
   std::vector<fs::path> files;
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) files.push_back(entry.path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
+    if (entry.path().extension() != ".json") files.push_back(entry.path());  // what pictures are described by
+  }
   if (error) return StatusFromErrno(error.value(), "read", directory);
   std::sort(files.begin(), files.end());
   std::vector<RgbImage> pictures;

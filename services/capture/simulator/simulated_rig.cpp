@@ -1,6 +1,8 @@
 #include "capture/simulator/simulated_rig.h"
 
+#include <chrono>
 #include <sstream>
+#include <thread>
 
 #include "base/json.h"
 
@@ -9,6 +11,7 @@ namespace {
 
 constexpr int kBlurPx = 6;
 constexpr double kManyTurnsDeg = 360e6;
+constexpr double kByHandDegS = 720;
 
 }  // namespace
 
@@ -37,11 +40,13 @@ Result<std::unique_ptr<SimulatedRig>> SimulatedRig::Start(const SimulatedRigOpti
 Status SimulatedRig::StartParts() {
   const GigeCameraOptions camera{options_.address, options_.serial, pictures_.width(), pictures_.height(),
                                  options_.seed};
-  camera_ = std::make_unique<GigeCamera>(camera, [this](const SensorWindow& window, std::span<std::uint8_t> pixels) {
-    const int blur = blurred_frames_ > 0 && blurred_frames_-- > 0 ? kBlurPx : 0;
-    pictures_.Expose(table_->position_deg(), blur, window, pixels);
-  });
-  table_ = std::make_unique<SimulatedTable>(pictures_.step_deg(), [this] { camera_->PulseLine(); });
+  camera_ = std::make_unique<GigeCamera>(
+      camera, [this](std::optional<double> table_deg, const SensorWindow& window, std::span<std::uint8_t> pixels) {
+        const int blur = blurred_frames_ > 0 && blurred_frames_-- > 0 ? kBlurPx : 0;
+        pictures_.Expose(table_deg.value_or(table_->position_deg()), blur, window, pixels);
+      });
+  table_ = std::make_unique<SimulatedTable>(pictures_.step_deg(),
+                                            [this](double table_deg) { camera_->PulseLine(table_deg); });
   DRUPE_ASSIGN_OR_RETURN(grbl_, GrblEmulator::Start(*table_));
   camera_->set_loss(options_.loss);
   if (options_.spin) table_->Move(kManyTurnsDeg, options_.spin_deg_s);
@@ -55,6 +60,11 @@ std::string SimulatedRig::Figures() const {
                    {"frames_sent", camera_->frames_sent()},
                    {"packets_lost", camera_->packets_lost()},
                    {"packets_resent", camera_->packets_resent()}});
+}
+
+void SimulatedRig::Turn(double degrees) {
+  table_->Move(degrees, kByHandDegS);
+  while (table_->moving()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 Result<std::string> SimulatedRig::Obey(const std::string& command) {
@@ -76,12 +86,14 @@ Result<std::string> SimulatedRig::Obey(const std::string& command) {
     grbl_->RaiseAlarm();
   } else if (verb == "skip") {
     table_->SkipPulses(static_cast<int>(number));
+  } else if (verb == "turn") {
+    Turn(number);
   } else if (verb == "silence" || verb == "speak") {
     grbl_->set_silent(verb == "silence");
   } else {
     return InvalidArgument("unknown_command",
                            "the commands are status, unplug, plug, loss PER_THOUSAND, blur FRAMES, "
-                           "alarm, skip PULSES, silence, speak");
+                           "alarm, skip PULSES, turn DEGREES, silence, speak");
   }
   return std::string("ok");
 }

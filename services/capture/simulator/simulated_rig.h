@@ -39,11 +39,13 @@ class SimulatedRig {
   GigeCamera& camera() { return *camera_; }
   SimulatedTable& table() { return *table_; }
   GrblEmulator& grbl() { return *grbl_; }
+  /// Turns the table as by hand, and waits until it rests.
+  void Turn(double degrees);
   /// Fault: the next `frames` frames are smeared.
   void BlurFrames(int frames) { blurred_frames_ = frames; }
 
-  /// Obeys one line of text: "unplug", "plug", "loss PER_THOUSAND", "blur FRAMES", "alarm", "skip PULSES", "silence",
-  /// "speak". Returns what to answer: figures for "status". Errors: 400 `unknown_command`.
+  /// Obeys one line of text: "unplug", "plug", "loss PER_THOUSAND", "blur FRAMES", "alarm", "skip PULSES", "turn
+  /// DEGREES", "silence", "speak". Returns what to answer: figures for "status". Errors: 400 `unknown_command`.
   Result<std::string> Obey(const std::string& command);
 
  private:

@@ -12,7 +12,7 @@ constexpr double kEpsilonDeg = 1e-6;
 
 }  // namespace
 
-SimulatedTable::SimulatedTable(double pulse_spacing_deg, std::function<void()> on_pulse)
+SimulatedTable::SimulatedTable(double pulse_spacing_deg, std::function<void(double)> on_pulse)
     : spacing_deg_(pulse_spacing_deg), on_pulse_(std::move(on_pulse)), thread_([this] { Run(); }) {}
 
 SimulatedTable::~SimulatedTable() {
@@ -53,7 +53,7 @@ void SimulatedTable::SetZero() {
   position_ = target_ = 0;
 }
 
-int SimulatedTable::Step(double seconds) {
+std::vector<double> SimulatedTable::Step(double seconds) {
   const double before = position_, left = target_ - position_;
   const double way = std::min(std::abs(left), speed_ * seconds);
   position_ = way == std::abs(left) ? target_ : position_ + std::copysign(way, left);
@@ -62,7 +62,12 @@ int SimulatedTable::Step(double seconds) {
   const bool forward = position_ > before;
   const double from = (low + (forward ? kEpsilonDeg : -kEpsilonDeg)) / spacing_deg_;
   const double to = (high + (forward ? kEpsilonDeg : -kEpsilonDeg)) / spacing_deg_;
-  return static_cast<int>(std::floor(to) - std::floor(from));
+  std::vector<double> pulses;
+  for (double multiple = std::floor(from) + 1; multiple <= std::floor(to); ++multiple) {
+    pulses.push_back(multiple * spacing_deg_);
+  }
+  if (!forward) std::reverse(pulses.begin(), pulses.end());
+  return pulses;
 }
 
 void SimulatedTable::Run() {
@@ -75,14 +80,14 @@ void SimulatedTable::Run() {
     }
     wake_.wait_for(lock, kTick, [this] { return ending_; });
     const auto now = std::chrono::steady_clock::now();
-    const int pulses = Step(std::chrono::duration<double>(now - last).count());
+    const std::vector<double> pulses = Step(std::chrono::duration<double>(now - last).count());
     last = now;
     lock.unlock();
-    for (int i = 0; i < pulses && on_pulse_; ++i) {
+    for (const double position : pulses) {
       if (skipped_pulses_ > 0) {
         --skipped_pulses_;
-      } else {
-        on_pulse_();
+      } else if (on_pulse_) {
+        on_pulse_(position);
       }
     }
     lock.lock();

@@ -5,6 +5,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace drupe {
 
@@ -12,8 +13,8 @@ namespace drupe {
 /// it passes a multiple of the pulse spacing, as the encoder of a real one does. Thread-safe.
 class SimulatedTable {
  public:
-  /// `on_pulse` is called on the table's own thread; may be empty.
-  SimulatedTable(double pulse_spacing_deg, std::function<void()> on_pulse);
+  /// `on_pulse` is called on the table's own thread with where the pulse stands; may be empty.
+  SimulatedTable(double pulse_spacing_deg, std::function<void(double position_deg)> on_pulse);
   ~SimulatedTable();
   SimulatedTable(const SimulatedTable&) = delete;
   SimulatedTable& operator=(const SimulatedTable&) = delete;
@@ -31,11 +32,11 @@ class SimulatedTable {
 
  private:
   void Run();
-  /// Advances by one tick; returns the pulses passed on the way.
-  int Step(double seconds);
+  /// Advances by one tick; returns where it passed pulses on the way.
+  std::vector<double> Step(double seconds);
 
   const double spacing_deg_;
-  const std::function<void()> on_pulse_;
+  const std::function<void(double position_deg)> on_pulse_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   double position_ = 0, target_ = 0, speed_ = 0;

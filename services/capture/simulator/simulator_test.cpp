@@ -17,7 +17,7 @@ void WaitForRest(const SimulatedTable& table) {
 
 TEST(SimulatedTableTest, PulsesOnceAtEveryMultipleInEitherDirection) {
   std::atomic<int> pulses = 0;
-  SimulatedTable table(10, [&] { ++pulses; });
+  SimulatedTable table(10, [&](double) { ++pulses; });
   table.Move(360, 3600);
   WaitForRest(table);
   EXPECT_DOUBLE_EQ(table.position_deg(), 360);
