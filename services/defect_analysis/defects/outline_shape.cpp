@@ -1,78 +1,22 @@
 #include "defect_analysis/defects/outline_shape.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+
+#include "defect_analysis/defects/round_outline.h"
 
 namespace drupe {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kTurnBins = 180;
-constexpr double kLeastTurn = 0.4;
 constexpr double kNeck = 0.75;      // of the smaller part's half width
 constexpr double kLeastFill = 0.6;  // of a part's area against the disc of its half width
 constexpr double kMostFill = 1.7;
 constexpr int kNodesAcross = 48;  // of the watershed's grid, over the outline's square root of area
 constexpr int kMaxGrid = 400;
 constexpr std::size_t kOutlineSample = 240;
-
-using Waves = Eigen::Matrix<double, 5, 1>;
-
-Waves WavesAt(double angle) {
-  Waves waves;
-  waves << 1, std::cos(angle), std::sin(angle), std::cos(2 * angle), std::sin(2 * angle);
-  return waves;
-}
-
-double AngleOf(const Eigen::Vector2d& offset) {
-  return std::atan2(offset.y(), offset.x());
-}
-
-int BinOf(double angle) {
-  return static_cast<int>(std::floor((angle / (2 * kPi) + 1) * kTurnBins)) % kTurnBins;
-}
-
-double SeenShare(const std::vector<Eigen::Vector2d>& seen, const Eigen::Vector2d& middle) {
-  std::array<bool, kTurnBins> bins{};
-  for (const Eigen::Vector2d& p : seen) {
-    // A bin's neighbours count too: a small outline has fewer points than bins.
-    const int bin = BinOf(AngleOf(p - middle));
-    for (const int near : {bin + kTurnBins - 1, bin, bin + 1}) bins[static_cast<std::size_t>(near % kTurnBins)] = true;
-  }
-  return static_cast<double>(std::count(bins.begin(), bins.end(), true)) / kTurnBins;
-}
-
-Waves FitWaves(const std::vector<Eigen::Vector2d>& seen, const Eigen::Vector2d& middle, double share) {
-  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
-  Waves rhs = Waves::Zero();
-  for (const Eigen::Vector2d& p : seen) {
-    const Waves row = WavesAt(AngleOf(p - middle));
-    normal += row * row.transpose();
-    rhs += (p - middle).norm() * row;
-  }
-  const double ridge = 1e-6 + 0.5 * (1 - share) * (1 - share);
-  normal(3, 3) += ridge * static_cast<double>(seen.size());
-  normal(4, 4) += ridge * static_cast<double>(seen.size());
-  return normal.ldlt().solve(rhs);
-}
-
-// Radii of the seen points against the smooth outline in each bin of the turn; 1 where nothing was seen.
-std::array<double, kTurnBins> SeenRatios(const std::vector<Eigen::Vector2d>& seen, const Eigen::Vector2d& middle,
-                                         const Waves& waves) {
-  std::array<double, kTurnBins> sums{}, counts{}, ratios{};
-  for (const Eigen::Vector2d& p : seen) {
-    const double angle = AngleOf(p - middle);
-    const auto bin = static_cast<std::size_t>(BinOf(angle));
-    sums[bin] += (p - middle).norm() / WavesAt(angle).dot(waves);
-    counts[bin] += 1;
-  }
-  for (std::size_t k = 0; k < kTurnBins; ++k) ratios[k] = counts[k] > 0 ? sums[k] / counts[k] : 1;
-  return ratios;
-}
 
 // A watershed of the distance to an outline, on a grid over it.
 class Watershed {
@@ -195,35 +139,6 @@ bool FillsDisc(const Polygon& part, double half_width) {
 }
 
 }  // namespace
-
-std::optional<CompletedOutline> CompleteOutline(const std::vector<Eigen::Vector2d>& seen) {
-  if (seen.size() < 12) return std::nullopt;
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& p : seen) middle += p / static_cast<double>(seen.size());
-  Waves waves = Waves::Zero();
-  double share = 0;
-  for (int iteration = 0; iteration < 12; ++iteration) {
-    share = SeenShare(seen, middle);
-    waves = FitWaves(seen, middle, share);
-    if (!(waves[0] > 0) || waves.segment<2>(1).norm() > 2 * waves[0]) return std::nullopt;
-    middle += waves.segment<2>(1);
-  }
-  if (share < kLeastTurn || waves.segment<2>(3).norm() > 0.5 * waves[0]) return std::nullopt;
-  waves[1] = waves[2] = 0;
-  CompletedOutline result{.polygon = {}, .rms = 0, .seen_share = share};
-  for (const Eigen::Vector2d& p : seen) {
-    const double error = (p - middle).norm() - WavesAt(AngleOf(p - middle)).dot(waves);
-    result.rms += error * error / static_cast<double>(seen.size());
-  }
-  result.rms = std::sqrt(result.rms) / waves[0];
-  const auto ratios = SeenRatios(seen, middle, waves);
-  for (int k = 0; k < kTurnBins; ++k) {
-    const double angle = 2 * kPi * (k + 0.5) / kTurnBins;
-    const double radius = ratios[static_cast<std::size_t>(k)] * WavesAt(angle).dot(waves);
-    result.polygon.push_back(middle + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-  }
-  return result;
-}
 
 std::vector<Polygon> SplitAtNeck(const Polygon& outline, double min_area) {
   const Watershed::Neck neck = Watershed(outline).Narrowest(0.8 * std::sqrt(min_area / kPi));

@@ -8,6 +8,7 @@
 #include "defect_analysis/defects/colour_layers.h"
 #include "defect_analysis/defects/local_halfway.h"
 #include "defect_analysis/defects/outline_shape.h"
+#include "defect_analysis/defects/round_outline.h"
 #include "defect_analysis/defects/significance.h"
 
 namespace drupe {
@@ -19,8 +20,10 @@ constexpr double kRoundRms = 0.08;       // of a roundish outline about its smoo
 constexpr double kMostCompletion = 1.7;  // completed area over what is seen
 constexpr double kLongFrom = 2.5;        // length over width of a layer that is an object by being long
 constexpr double kContrastShare = 0.25;  // of the significance threshold, between two layers with forms of their own
+constexpr double kRepairDoubt = 0.3;     // of the area that a repair takes or gives
 constexpr double kWidestGap = 1.2;       // mm between two pieces of one crack or scar
 constexpr double kAligned = 0.9;         // cosine between a long piece's axis and the way to the next piece
+constexpr double kJunction = 0.15;       // mm of an outline beside its junction with another one that both bend
 constexpr double kInOther = 0.5;    // of a defect's area inside one of another colour that makes it a part of that one
 constexpr double kSmallPart = 0.3;  // of min_area: pieces of a layer that another one cuts
 
@@ -95,13 +98,13 @@ double OtherAt(const ColourLayer& layer, const Eigen::Vector2d& flat) {
 struct LayerOutlines {
   std::vector<Polygon> polygons;
   double disputed = 0;
-  std::vector<Eigen::Vector2d> own;  // points that border on skin
-  std::size_t points = 0;
+  std::vector<Eigen::Vector2d> own;  // points that border on skin, clear of junctions
+  std::size_t points = 0, bordering_skin = 0;
   double area = 0;
   std::optional<CompletedOutline> round;
 
   double OwnShare() const {
-    return static_cast<double>(own.size()) / static_cast<double>(std::max<std::size_t>(1, points));
+    return static_cast<double>(bordering_skin) / static_cast<double>(std::max<std::size_t>(1, points));
   }
   bool IsRound() const {
     return round && round->rms < kRoundRms && SignedArea(round->polygon) < kMostCompletion * area &&
@@ -110,15 +113,27 @@ struct LayerOutlines {
   bool IsLong() const { return !polygons.empty() && ShapeOf(polygons[0], area, 0).elongation > kLongFrom; }
 };
 
+// The points of an outline that border on skin, those beside a junction with the other layer's outline left out.
+void AddOwnPoints(const ColourLayer& layer, const Polygon& polygon, LayerOutlines& traced) {
+  std::vector<const Eigen::Vector2d*> shared;
+  for (const Eigen::Vector2d& p : polygon) {
+    if (OtherAt(layer, p) >= kShared) shared.push_back(&p);
+  }
+  traced.points += polygon.size();
+  traced.bordering_skin += polygon.size() - shared.size();
+  for (const Eigen::Vector2d& p : polygon) {
+    const bool clear = std::all_of(shared.begin(), shared.end(),
+                                   [&](const Eigen::Vector2d* q) { return (p - *q).norm() > kJunction; });
+    if (clear) traced.own.push_back(p);
+  }
+}
+
 LayerOutlines Gather(const ColourLayer& layer, const std::vector<TracedOutline>& outlines, double min_area) {
   LayerOutlines traced;
   for (const TracedOutline& outline : outlines) {
     traced.area += SignedArea(outline.polygon);
     traced.disputed += outline.disputed;
-    traced.points += outline.polygon.size();
-    for (const Eigen::Vector2d& p : outline.polygon) {
-      if (OtherAt(layer, p) < kShared) traced.own.push_back(p);
-    }
+    AddOwnPoints(layer, outline.polygon, traced);
     traced.polygons.push_back(outline.polygon);
   }
   if (traced.area < min_area) traced.polygons.clear();
@@ -148,6 +163,17 @@ bool LieWithinOneAnother(const std::vector<Outline>& outlines) {
   return false;
 }
 
+Outline OutlineOf(const Polygon& polygon, const TransitionField* field, double disputed, bool completed) {
+  Outline outline{polygon, field, disputed, completed};
+  const double area = SignedArea(polygon);
+  if (ShapeOf(polygon, area, 0).elongation > kLongFrom) return outline;
+  if (auto repaired = RepairRoundOutline(polygon)) {
+    outline.disputed_mm2 += kRepairDoubt * std::abs(SignedArea(*repaired) - area);
+    outline.polygon = std::move(*repaired);
+  }
+  return outline;
+}
+
 void Add(const LayerOutlines& traced, const TransitionField* field, double min_area, Outlines& result) {
   const bool covered = traced.OwnShare() < 0.99;
   if (covered && traced.IsRound() && !traced.IsLong()) {
@@ -155,7 +181,8 @@ void Add(const LayerOutlines& traced, const TransitionField* field, double min_a
     return;
   }
   for (const Polygon& polygon : traced.polygons) {
-    if (SignedArea(polygon) >= min_area) result.outlines.push_back({polygon, field, traced.disputed, false});
+    if (SignedArea(polygon) < min_area) continue;
+    result.outlines.push_back(OutlineOf(polygon, field, traced.disputed, false));
   }
 }
 
@@ -192,7 +219,9 @@ Outlines SeparateDefects(TransitionField field, double threshold, const DefectOp
     if (SignedArea(outline.polygon) < min_area) continue;
     const std::vector<Polygon> parts = SplitAtNeck(outline.polygon, min_area);
     const bool cut = parts.size() > 1;
-    for (const Polygon& part : parts) result.outlines.push_back({part, &result.fields[0], outline.disputed, cut});
+    for (const Polygon& part : parts) {
+      result.outlines.push_back(OutlineOf(part, &result.fields[0], outline.disputed, cut));
+    }
   }
   return result;
 }

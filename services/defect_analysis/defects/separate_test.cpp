@@ -9,6 +9,7 @@
 #include "defect_analysis/defects/depth.h"
 #include "defect_analysis/defects/local_halfway.h"
 #include "defect_analysis/defects/outline_shape.h"
+#include "defect_analysis/defects/round_outline.h"
 
 namespace drupe {
 namespace {
