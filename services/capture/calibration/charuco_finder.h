@@ -1,9 +1,11 @@
 #pragma once
 
-#include <opencv2/core.hpp>
-
 #include "capture/calibration/checkerboard.h"
 #include "capture/calibration/corner_finder.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace drupe {
 
