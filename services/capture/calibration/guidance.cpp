@@ -84,15 +84,15 @@ void AddCoverage(Guidance& guidance) {
 }  // namespace
 
 Json ToJson(const PatternPose& pose) {
-  const auto rounded = [](double value, double unit) { return std::round(value / unit) * unit; };
+  const auto rounded = [](double value, double steps) { return std::round(value * steps) / steps; };
   return {
-      {"tilt_deg", rounded(pose.tilt_deg, 0.1)},
+      {"tilt_deg", rounded(pose.tilt_deg, 10)},
       {"nearer_side", pose.tilt_deg < 3                                   ? Json()
                       : std::abs(pose.nearer_x) > std::abs(pose.nearer_y) ? Json(pose.nearer_x > 0 ? "right" : "left")
                                                                           : Json(pose.nearer_y > 0 ? "bottom" : "top")},
-      {"distance", rounded(pose.distance, 1e-3)},
-      {"fill", rounded(pose.fill, 1e-3)},
-      {"centre", Json::array({rounded(pose.centre_x, 1e-3), rounded(pose.centre_y, 1e-3)})}};
+      {"distance", rounded(pose.distance, 1000)},
+      {"fill", rounded(pose.fill, 1000)},
+      {"centre", Json::array({rounded(pose.centre_x, 1000), rounded(pose.centre_y, 1000)})}};
 }
 
 Json ToJson(const Guidance& guidance) {
