@@ -9,6 +9,7 @@
 #include "base/files.h"
 #include "base/ids.h"
 #include "cli/commands.h"
+#include "cli/exit_code.h"
 #include "cli/json_arguments.h"
 #include "cli/progress_bar.h"
 #include "cli/report_table.h"
@@ -118,12 +119,7 @@ void AddAnalyzeCommand(CLI::App& app, int& exit_code) {
   command->add_option("--threads", arguments->threads, "Threads; 0: one a core. The result does not depend on it")
       ->check(CLI::Range(0, 1024));
   command->add_option("--seed", arguments->seed, "Seed of the random choices");
-  command->callback([arguments, &exit_code] {
-    const Status status = Analyze(*arguments);
-    if (status.ok()) return;
-    std::cerr << "drupe analyze: " << status.ToString() << "\n";
-    exit_code = 1;
-  });
+  command->callback([arguments, &exit_code] { exit_code = CommandExitCode("drupe analyze", Analyze(*arguments)); });
 }
 
 }  // namespace drupe

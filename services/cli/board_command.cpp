@@ -63,7 +63,8 @@ void AddOptions(CLI::App& command, BoardArguments& arguments) {
 
 void AddBoardCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<BoardArguments>();
-  CLI::App* command = app.add_subcommand("board", "The printable board of markers for the turntable (PDF, SVG, PNG, JSON)");
+  CLI::App* command =
+      app.add_subcommand("board", "The printable board of markers for the turntable (PDF, SVG, PNG, JSON)");
   AddOptions(*command, *arguments);
   command->callback([arguments, &exit_code] {
     const Status status = WriteBoard(*arguments);

@@ -1,5 +1,5 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -7,7 +7,9 @@
 #include "base/files.h"
 #include "cli/bench/text_table.h"
 #include "cli/commands.h"
+#include "cli/exit_code.h"
 #include "cli/json_arguments.h"
+#include "defect_analysis/models/defect_labels.h"
 #include "defect_analysis/models/train_class_model.h"
 
 namespace drupe {
@@ -21,13 +23,30 @@ constexpr std::size_t kMaxReportBytes = 64 << 20;  // thousands of defects with 
 /// What the user wrote after `drupe classifier train`.
 struct TrainArguments {
   Names reports;
+  std::string labels;
   ClassTrainOptions options;
   std::string out;
 };
 
-Result<std::vector<LabelledDefect>> LoadReport(const std::string& file) {
+using Labels = std::vector<DefectLabel>;
+
+/// The labels of a table, which must say of which report each is when there are several.
+Result<std::optional<Labels>> LoadLabels(const TrainArguments& arguments) {
+  if (arguments.labels.empty()) return std::optional<Labels>();
+  DRUPE_ASSIGN_OR_RETURN(const std::string text, ReadFile(arguments.labels));
+  DRUPE_ASSIGN_OR_RETURN(Labels labels, ParseDefectLabels(text));
+  for (const DefectLabel& label : labels) {
+    if (!label.report.empty() || arguments.reports.size() == 1) continue;
+    return InvalidArgument("bad_labels",
+                           "there are several reports, and line " + std::to_string(label.line) + " names none");
+  }
+  return std::optional<Labels>(std::move(labels));
+}
+
+Result<std::vector<LabelledDefect>> LoadReport(const std::string& file, const std::optional<Labels>& labels) {
   DRUPE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxReportBytes));
-  DRUPE_ASSIGN_OR_RETURN(const Json json, ParseJson(text, {.max_bytes = kMaxReportBytes}));
+  DRUPE_ASSIGN_OR_RETURN(Json json, ParseJson(text, {.max_bytes = kMaxReportBytes}));
+  if (labels) DRUPE_RETURN_IF_ERROR(LabelReport(*labels, json));
   return ReadLabelledReport(json);
 }
 
@@ -71,9 +90,10 @@ void PrintModel(const ClassModel& model) {
 }
 
 Status Train(const TrainArguments& arguments) {
+  DRUPE_ASSIGN_OR_RETURN(const std::optional<Labels> labels, LoadLabels(arguments));
   std::vector<std::vector<LabelledDefect>> reports;
   for (const std::string& file : arguments.reports) {
-    Result<std::vector<LabelledDefect>> report = LoadReport(file);
+    Result<std::vector<LabelledDefect>> report = LoadReport(file, labels);
     if (!report.ok()) return InFile(file, report.status());
     reports.push_back(std::move(*report));
   }
@@ -91,12 +111,6 @@ Status Show(const std::string& file) {
   return Status::Ok();
 }
 
-int ExitCode(const char* command, const Status& status) {
-  if (status.ok()) return 0;
-  std::cerr << command << ": " << status.ToString() << "\n";
-  return 1;
-}
-
 void AddTrainCommand(CLI::App& classifier, int& exit_code) {
   auto arguments = std::make_shared<TrainArguments>();
   CLI::App* command = classifier.add_subcommand(
@@ -108,13 +122,18 @@ void AddTrainCommand(CLI::App& classifier, int& exit_code) {
       "drupe run ... --class-model classes.json");
   command->add_option("REPORT", arguments->reports, "Corrected report.json files, in mm; one fruit in one report only")
       ->required();
+  command->add_option("--labels", arguments->labels,
+                      "A table (CSV) of the true classes, so that no report need be edited: columns report (the "
+                      "report's id), fruit, defect and class, one line a defect; class none for what is no defect. "
+                      "A defect without a line is left out; report and fruit may be missing where there is only one");
   command->add_option("--name", arguments->options.name, "The model's name")->capture_default_str();
   command
       ->add_option("--ridge", arguments->options.ridge,
                    "Penalty on the weights, 0.001 to 1000: the more, the less sure and the less learnt by heart")
       ->capture_default_str();
   command->add_option("--out", arguments->out, "The model file to write (JSON)")->required();
-  command->callback([arguments, &exit_code] { exit_code = ExitCode("drupe classifier train", Train(*arguments)); });
+  command->callback(
+      [arguments, &exit_code] { exit_code = CommandExitCode("drupe classifier train", Train(*arguments)); });
 }
 
 }  // namespace
@@ -127,7 +146,7 @@ void AddClassifierCommand(CLI::App& app, int& exit_code) {
   auto file = std::make_shared<std::string>();
   CLI::App* show = classifier->add_subcommand("show", "Print a model's weights and its confusion tables");
   show->add_option("FILE", *file, "A model file")->required();
-  show->callback([file, &exit_code] { exit_code = ExitCode("drupe classifier show", Show(*file)); });
+  show->callback([file, &exit_code] { exit_code = CommandExitCode("drupe classifier show", Show(*file)); });
 }
 
 }  // namespace drupe

@@ -1,5 +1,5 @@
 #include <CLI/CLI.hpp>
-#include <iostream>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -7,6 +7,7 @@
 #include "base/files.h"
 #include "cli/bench/text_table.h"
 #include "cli/commands.h"
+#include "cli/exit_code.h"
 #include "cli/json_arguments.h"
 #include "cli/labelled_clouds.h"
 #include "defect_analysis/models/train_model.h"
@@ -81,12 +82,6 @@ Status Show(const std::string& file) {
   return Status::Ok();
 }
 
-int ExitCode(const char* command, const Status& status) {
-  if (status.ok()) return 0;
-  std::cerr << command << ": " << status.ToString() << "\n";
-  return 1;
-}
-
 void AddTrainCommand(CLI::App& model, int& exit_code) {
   auto arguments = std::make_shared<TrainArguments>();
   CLI::App* command = model.add_subcommand(
@@ -106,7 +101,7 @@ void AddTrainCommand(CLI::App& model, int& exit_code) {
       "--options", arguments->options,
       "A JSON file, or JSON: name, colour_space (lab, rgb), c, gamma, max_points, test_share, recoloured");
   command->add_option("--out", arguments->out, "The model file to write (JSON)")->required();
-  command->callback([arguments, &exit_code] { exit_code = ExitCode("drupe model train", Train(*arguments)); });
+  command->callback([arguments, &exit_code] { exit_code = CommandExitCode("drupe model train", Train(*arguments)); });
 }
 
 }  // namespace
@@ -118,7 +113,7 @@ void AddModelCommand(CLI::App& app, int& exit_code) {
   auto file = std::make_shared<std::string>();
   CLI::App* show = model->add_subcommand("show", "Print a model's size and its confusion tables");
   show->add_option("FILE", *file, "A model file, or 'default' for the one built in")->required();
-  show->callback([file, &exit_code] { exit_code = ExitCode("drupe model show", Show(*file)); });
+  show->callback([file, &exit_code] { exit_code = CommandExitCode("drupe model show", Show(*file)); });
 }
 
 }  // namespace drupe

@@ -14,6 +14,7 @@
 #include "base/json.h"
 #include "base/version.h"
 #include "cli/commands.h"
+#include "cli/exit_code.h"
 #include "cli/json_arguments.h"
 #include "cli/progress_bar.h"
 #include "cli/report_table.h"
@@ -35,6 +36,7 @@ struct RunArguments {
   std::string out;
   std::string options;
   std::string analysis_options;
+  std::string background_model;
   std::string class_model;
   int threads = 0;
   std::uint64_t seed = 1;
@@ -77,6 +79,7 @@ struct RunRequest {
   ReconstructionInput input;
   ReconstructionOptions options;
   AnalysisOptions analysis_options;
+  std::optional<ColourModel> background_model;
 };
 
 Result<RunRequest> LoadRequest(const RunArguments& arguments) {
@@ -87,6 +90,9 @@ Result<RunRequest> LoadRequest(const RunArguments& arguments) {
   request.options.dense.mesh = request.options.dense.mesh || arguments.mesh;
   DRUPE_ASSIGN_OR_RETURN(const Json analysis_options, LoadJsonArgument(arguments.analysis_options));
   DRUPE_ASSIGN_OR_RETURN(request.analysis_options, ParseAnalysisOptions(analysis_options));
+  if (!arguments.background_model.empty()) {
+    DRUPE_ASSIGN_OR_RETURN(request.background_model, LoadModelArgument(arguments.background_model));
+  }
   if (!arguments.class_model.empty()) {
     DRUPE_ASSIGN_OR_RETURN(request.analysis_options.defects.classes.model,
                            LoadClassModelArgument(arguments.class_model));
@@ -104,6 +110,7 @@ Result<Report> Analyse(const RunRequest& request, ReconstructionOutput& output, 
   analysis.scale_source = output.model.scale_source;
   analysis.scale_relative_sigma = output.model.scale_relative_sigma;
   analysis.board = request.input.board;
+  analysis.background_model = request.background_model;
   for (const View& view : output.model.views) {
     if (view.cam_from_world) analysis.camera_centres.push_back(view.cam_from_world->Centre());
   }
@@ -205,6 +212,8 @@ void AddRunCommand(CLI::App& app, int& exit_code) {
   command->add_option("--options", arguments->options,
                       "Options of the reconstruction: a JSON file, or JSON such as '{\"dense\": {\"level\": 1}}'");
   command->add_option("--analysis-options", arguments->analysis_options, "Options of the defect analysis, likewise");
+  command->add_option("--background-model", arguments->background_model,
+                      "A model of `drupe model train`, in place of the one built in");
   command->add_option("--class-model", arguments->class_model,
                       "A model of `drupe classifier train`, in place of the rules by which defects are classed");
   command->add_option("--threads", arguments->threads, "Threads; 0: one a core. The result does not depend on it")
@@ -212,12 +221,7 @@ void AddRunCommand(CLI::App& app, int& exit_code) {
   command->add_option("--seed", arguments->seed, "Seed of the random choices");
   command->add_flag("--mesh", arguments->mesh, "Also a closed surface of triangles, mesh.ply, for volume and viewers");
   command->add_flag("--no-analysis", arguments->no_analysis, "Stop after the dense cloud");
-  command->callback([arguments, &exit_code] {
-    const Status status = Run(*arguments);
-    if (status.ok()) return;
-    std::cerr << "drupe run: " << status.ToString() << "\n";
-    exit_code = 1;
-  });
+  command->callback([arguments, &exit_code] { exit_code = CommandExitCode("drupe run", Run(*arguments)); });
 }
 
 }  // namespace drupe

@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iostream>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/exit_code.h"
 #include "cli/json_arguments.h"
 #include "cli/source_images.h"
 #include "reconstruction/similarity/vocabulary.h"
@@ -63,12 +63,7 @@ void AddVocabularyCommand(CLI::App& app, int& exit_code) {
   command->add_option("--options", arguments->options,
                       "Options of the reconstruction, of which features and similarity count: a JSON file, or JSON");
   command->add_option("--threads", arguments->threads, "Threads; 0: one a core")->check(CLI::Range(0, 1024));
-  command->callback([arguments, &exit_code] {
-    const Status status = Train(*arguments);
-    if (status.ok()) return;
-    std::cerr << "drupe vocabulary: " << status.ToString() << "\n";
-    exit_code = 1;
-  });
+  command->callback([arguments, &exit_code] { exit_code = CommandExitCode("drupe vocabulary", Train(*arguments)); });
 }
 
 }  // namespace drupe

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "scene/report.h"
@@ -15,6 +16,7 @@ struct TrueDefect {
   double perimeter_mm = 0;                              ///< on the skin; 0 when it is not known
   double stretch = 1;                                   ///< length over width
   bool touching = false;                                ///< it touches or overlaps another defect
+  std::optional<double> lightness_step{};               ///< L of the defect minus L of the skin, where it is known
 };
 
 /// What is true of one fruit; 0 stands for what is not known.

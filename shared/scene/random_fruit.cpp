@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "image/colour.h"
 #include "scene/fruit_cloud.h"
 #include "scene/random_skin.h"
 #include "scene/synthetic_fruit.h"
@@ -312,6 +313,8 @@ class FruitDrawing {
     });
     defect.centre_mm = surface_.PointAt(middle);
     defect.perimeter_mm = Perimeter(shape);
+    const Eigen::Vector3d skin = SkinAt(shape.axis);
+    defect.lightness_step = LabFromLinear(shape.ColourOn(skin).cast<float>())[0] - LabFromLinear(skin.cast<float>())[0];
     defect.touching = std::find(touching_.begin(), touching_.end(), shape.axis) != touching_.end();
     return defect;
   }

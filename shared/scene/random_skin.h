@@ -60,6 +60,8 @@ struct SkinShape {
   double InsideBy(const Eigen::Vector3d& direction, double scale) const;
   /// The outline's point at an angle of its ellipse, mm along `right` and `down` on the skin unrolled about the axis.
   Eigen::Vector2d OutlineAt(double angle) const;
+  /// Its colour on skin of that colour, linear light.
+  Eigen::Vector3d ColourOn(const Eigen::Vector3d& skin) const { return (1 - cover) * skin + cover * linear; }
   /// The largest distance of the outline from the middle, mm.
   double Reach() const;
 
@@ -67,10 +69,12 @@ struct SkinShape {
   double EdgeAt(double angle) const;
 };
 
-/// A shape of the class with random size, outline and a colour that can be told from `skin` (linear light).
+/// A shape of the class with random size, outline and a colour that can be told from `skin` (linear light): darker,
+/// paler, or a rain spot as light as the skin in another hue.
 SkinShape DrawShape(Dice& dice, DefectClass defect_class, const Eigen::Vector3d& skin, const Eigen::Vector3d& axis);
 
-/// The skin's mean colour of a random kind of fruit, linear light: green, yellow, red or purple.
+/// The skin's mean colour of a random kind of fruit, linear light: green, yellow, red, purple, brown, dark, grey or
+/// pale.
 Eigen::Vector3d DrawSkinColour(Dice& dice);
 
 }  // namespace drupe

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/bench/bench.h"
+#include "cli/bench/defect_scores.h"
 #include "cli/bench/text_table.h"
 #include "cli/bench/truth_cloud.h"
 #include "defect_analysis/pipeline.h"
@@ -27,11 +28,6 @@ struct Arguments {
 
 constexpr std::array<int, 8> kDensities = {1, 5, 10, 20, 40, 80, 100, 120};
 constexpr double kNearMm = 0.8;  // a spot that lies so near a true one is that one
-
-struct TrueSpot {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double area_mm2 = 0;
-};
 
 /// Means over the spots that were found, for one sampling density.
 struct Line {
@@ -58,31 +54,24 @@ struct Line {
   }
 };
 
-Result<std::vector<TrueSpot>> SpotsOf(const TruthSet& set) {
-  std::vector<TrueSpot> spots;
-  try {
-    const Json alone = Json::array({set.truth});
-    for (const Json& fruit : set.truth.contains("fruits") ? set.truth["fruits"] : alone) {
-      for (const Json& defect : fruit.at("defects")) {
-        if (defect.at("class") != "rain_spot") continue;
-        const Json& centre = defect.at("centre_mm");
-        spots.push_back({{centre.at(0).get<double>(), centre.at(1).get<double>(), centre.at(2).get<double>()},
-                         defect.at("area_mm2").get<double>()});
-      }
+Result<std::vector<TrueDefect>> SpotsOf(const TruthSet& set) {
+  DRUPE_ASSIGN_OR_RETURN(const std::vector<FruitTruth> fruits, ParseFruitTruths(set.truth));
+  std::vector<TrueDefect> spots;
+  for (const FruitTruth& fruit : fruits) {
+    for (const TrueDefect& defect : fruit.defects) {
+      if (defect.defect_class == DefectClass::kRainSpot) spots.push_back(defect);
     }
-  } catch (const Json::exception& error) {
-    return InvalidArgument("bad_truth", std::string("truth.json: ") + error.what());
   }
   return spots;
 }
 
-void Compare(const Report& report, const std::vector<TrueSpot>& truth, Line& line) {
-  for (const TrueSpot& spot : truth) {
+void Compare(const Report& report, const std::vector<TrueDefect>& truth, Line& line) {
+  for (const TrueDefect& spot : truth) {
     const Defect* nearest = nullptr;
     for (const Fruit& fruit : report.fruits) {
       for (const Defect& defect : fruit.defects) {
-        const double away = (defect.centre_mm - spot.centre).norm();
-        if (away < (nearest == nullptr ? kNearMm : (nearest->centre_mm - spot.centre).norm())) nearest = &defect;
+        const double away = (defect.centre_mm - spot.centre_mm).norm();
+        if (away < (nearest == nullptr ? kNearMm : (nearest->centre_mm - spot.centre_mm).norm())) nearest = &defect;
       }
     }
     if (nearest != nullptr) line.Add(*nearest, spot.area_mm2);
@@ -94,7 +83,7 @@ Status Run(const Arguments& arguments) {
   std::size_t of = 0;
   for (const std::string& directory : arguments.sets) {
     DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
-    DRUPE_ASSIGN_OR_RETURN(const std::vector<TrueSpot> spots, SpotsOf(set));
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<TrueDefect> spots, SpotsOf(set));
     AnalysisInput input;
     DRUPE_ASSIGN_OR_RETURN(input.cloud, CloudOfSet(set, arguments.clouds, DenseOptions::Scene::kFruit));
     input.scale_source = ScaleSource::kBoard;

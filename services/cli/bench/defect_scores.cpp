@@ -14,6 +14,15 @@ namespace {
 constexpr double kFruitReach = 8;  // mm between the centres of a true fruit and its report
 constexpr std::array kClasses = {DefectClass::kRainSpot, DefectClass::kScar, DefectClass::kCrack, DefectClass::kDecay};
 
+constexpr std::array kTones = {"darker", "paler", "of another hue"};
+
+// Place in kTones for a step in L from the skin to a defect.
+std::size_t ToneOf(double lightness_step) {
+  constexpr double kVisible = 6;  // a step that is one at a glance
+  if (std::abs(lightness_step) < kVisible) return 2;
+  return lightness_step < 0 ? 0 : 1;
+}
+
 Eigen::Vector3d VectorOf(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
@@ -171,6 +180,7 @@ void DefectScores::AddFruit(const std::string& label, const FruitTruth& truth, c
 void DefectScores::AddDefect(const std::string& label, const TrueDefect& truth, const Defect* found) {
   Count(truth, found, by_class_[static_cast<std::size_t>(truth.defect_class)]);
   if (truth.touching) Count(truth, found, touching_);
+  if (truth.lightness_step) Count(truth, found, by_tone_[ToneOf(*truth.lightness_step)]);
   const std::string name = label + ": " + (truth.touching ? "touching " : "") + DefectClassName(truth.defect_class) +
                            " of " + FixedText(truth.area_mm2, 2) + " mm2";
   if (found == nullptr) {
@@ -202,6 +212,9 @@ std::string DefectScores::Text() const {
     all.perimeter_covered += score.perimeter_covered;
   }
   rows.push_back(RowOf("all", all));
+  for (std::size_t tone = 0; tone < by_tone_.size(); ++tone) {
+    if (by_tone_[tone].of > 0) rows.push_back(RowOf(kTones[tone], by_tone_[tone]));
+  }
   if (touching_.of > 0) rows.push_back(RowOf("touching", touching_));
   std::string text = FormatTextTable(
       {"defects", "true", "found", "class right", "area error", "worst", "area in 2 u", "perimeter in 2 u"}, rows);

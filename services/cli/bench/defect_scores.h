@@ -44,6 +44,7 @@ class DefectScores {
 
   std::array<ClassScore, 5> by_class_;  ///< by DefectClass
   ClassScore touching_;                 ///< those that touch another, whatever their class
+  std::array<ClassScore, 3> by_tone_;   ///< those darker than the skin, paler, and of another hue only
   int fruits_ = 0, fruits_found_ = 0, grades_right_ = 0, false_ = 0, intact_ = 0, false_on_intact_ = 0;
   int diameters_covered_ = 0, volumes_covered_ = 0;
   std::vector<double> volume_errors_, surface_errors_, diameter_errors_;

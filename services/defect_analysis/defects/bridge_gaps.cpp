@@ -9,25 +9,6 @@ namespace {
 
 constexpr int kSweepsPerStep = 4;  // of the relaxation, for every cell of a gap's half width
 
-// Steps between neighbouring cells from the nearest cell with a 1 in `from`; `most` + 1 beyond `most`.
-std::vector<int> StepsFrom(const SkinMap& map, const std::vector<std::uint8_t>& from, int most) {
-  std::vector<int> steps(from.size(), most + 1);
-  std::vector<std::int32_t> front;
-  for (std::size_t cell = 0; cell < from.size(); ++cell) {
-    if (from[cell] == 0) continue;
-    steps[cell] = 0;
-    front.push_back(static_cast<std::int32_t>(cell));
-  }
-  for (std::size_t next = 0; next < front.size() && steps[front[next]] < most; ++next) {
-    for (const std::int32_t other : map.NeighboursOf(front[next])) {
-      if (steps[other] <= most) continue;
-      steps[other] = steps[front[next]] + 1;
-      front.push_back(other);
-    }
-  }
-  return steps;
-}
-
 // The empty cells that a morphological closing of the seen ones adds, those next to seen cells first.
 std::vector<std::int32_t> GapCells(const SkinMap& map, int reach) {
   std::vector<std::uint8_t> seen(map.size()), outside(map.size());

@@ -7,6 +7,8 @@
 namespace drupe {
 namespace {
 
+constexpr double kFullLightness = 60;  // L of the skin for which a threshold of lightness is meant as it stands
+
 // How surely `value` is on its side of `threshold`: 0.5 on it, 0.95 a factor of e^(1/2) away.
 double Sureness(double value, double threshold) {
   const double margin = std::abs(std::log(std::max(1e-6, value) / threshold));
@@ -69,9 +71,11 @@ Classification Classify(const DefectShape& shape, const ClassOptions& options) {
     return {decay ? DefectClass::kDecay : DefectClass::kRainSpot, std::min(elongated, size)};
   }
   const bool narrow = shape.width_mm < options.crack_max_width_mm;
-  const bool dark = shape.lightness_step < options.crack_max_lightness || IsSunk(shape, options.crack_min_depth_mm);
+  // On dark skin a dark crack makes a smaller step.
+  const double darkest = options.crack_max_lightness * std::clamp(shape.skin_lightness / kFullLightness, 0.0, 1.0);
+  const bool dark = shape.lightness_step < darkest || IsSunk(shape, options.crack_min_depth_mm);
   const double width = Sureness(shape.width_mm, options.crack_max_width_mm);
-  const double darkness = SurenessOfDifference(shape.lightness_step, options.crack_max_lightness, 10);
+  const double darkness = SurenessOfDifference(shape.lightness_step, darkest, 10);
   if (narrow && dark) return {DefectClass::kCrack, std::min({elongated, width, darkness})};
   const double not_crack = std::max(narrow ? 0.5 : width, dark ? 0.5 : darkness);
   return {DefectClass::kScar, std::min(elongated, not_crack)};

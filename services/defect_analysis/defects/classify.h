@@ -15,7 +15,8 @@ struct DefectShape {
   Eigen::Vector2d axis = Eigen::Vector2d::UnitX();  ///< the long axis, unit length, on the map
   double depth_mm = 0;                              ///< below the skin about it
   double depth_uncertainty_mm = 0;
-  double lightness_step = 0;  ///< L of the defect minus L of the skin about it
+  double lightness_step = 0;   ///< L of the defect minus L of the skin about it
+  double skin_lightness = 60;  ///< L of that skin
 };
 
 /// Elongation and width from the polygon's second moments on the flat map; the rest is copied.

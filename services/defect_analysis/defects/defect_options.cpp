@@ -24,6 +24,7 @@ void VisitFields(Options& o, const Visit& visit) {
   visit("lightness_weight", o.lightness_weight);
   visit("significance_delta_e", o.significance_delta_e);
   visit("significance_sigma", o.significance_sigma);
+  visit("faint_share", o.faint_share);
   visit("local_sigma", o.local_sigma);
 }
 
@@ -131,6 +132,7 @@ Status SegmentationOptions::Check() const {
   if (!IsWithin(lightness_weight, 0, 1)) return Refuse("segmentation.lightness_weight", "0 to 1");
   if (!IsWithin(significance_delta_e, 1, 100)) return Refuse("segmentation.significance_delta_e", "1 to 100");
   if (!IsWithin(significance_sigma, 1, 100)) return Refuse("segmentation.significance_sigma", "1 to 100");
+  if (!IsWithin(faint_share, 0.3, 1)) return Refuse("segmentation.faint_share", "0.3 to 1");
   if (!IsWithin(local_sigma, 0, 100)) return Refuse("segmentation.local_sigma", "0 to 100");
   return Status::Ok();
 }

@@ -18,6 +18,7 @@ struct SegmentationOptions {
   double lightness_weight = 0.5;    ///< of L against a and b, since shading changes L most; 0..1
   double significance_delta_e = 9;  ///< weighted colour difference from the healthy skin that a defect must reach
   double significance_sigma = 5;    ///< the same in robust standard deviations of the healthy skin
+  double faint_share = 0.6;         ///< of that difference, enough for a roundish spot with a sharp edge; 1: no such
   double local_sigma = 3;           ///< the same in those of single points of the skin beside the defect
 
   Status Check() const;
@@ -61,7 +62,9 @@ struct ClassOptions {
   double crack_max_width_mm = 0.9;     ///< an elongated defect narrower than this, and dark, is a crack
   double decay_min_depth_mm = 0.15;    ///< a compact defect half as large and sunk deeper than this is decay
   double crack_min_depth_mm = 0.12;    ///< an elongated, narrow defect sunk deeper than this is a crack, dark or not
-  double crack_max_lightness = -12.0;  ///< L of the defect minus L of the skin about it, from which it counts as dark
+  /// L of the defect minus L of the skin about it, from which it counts as dark; less by as much as the skin's L is
+  /// less than 60.
+  double crack_max_lightness = -12.0;
 
   Status Check() const;
 };

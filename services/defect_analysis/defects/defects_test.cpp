@@ -274,6 +274,10 @@ TEST(Classify, ByShapeSizeAndColour) {
   EXPECT_EQ(classify(4, 0.8, 0), DefectClass::kScar);
   EXPECT_EQ(classify(4, 0.25, -30), DefectClass::kCrack);
   EXPECT_EQ(classify(4, 0.25, 3), DefectClass::kScar);  // narrow, but not dark
+  EXPECT_EQ(classify(4, 0.25, -8), DefectClass::kScar);
+  DefectShape on_dark_skin = ShapeOf(Ellipse(4, 0.25, 100), std::numbers::pi, -8);
+  on_dark_skin.skin_lightness = 28;
+  EXPECT_EQ(Classify(on_dark_skin, {}).defect_class, DefectClass::kCrack);
 }
 
 TEST(Classify, ConfidenceFallsTowardsAThreshold) {

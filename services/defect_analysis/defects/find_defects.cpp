@@ -1,6 +1,7 @@
 #include "defect_analysis/defects/find_defects.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/parallel.h"
 #include "defect_analysis/defects/bridge_gaps.h"
@@ -16,13 +17,20 @@ namespace drupe {
 namespace {
 
 constexpr double kMeasuredShare = 0.6;  // of a defect's area: less is guessed from stray points in a gap
+constexpr double kHalo = 0.7;           // mm about a patch that its own soft edge and shade may colour
 
 // One fruit's skin, ready to be measured.
 struct Skin {
   const FruitCloud& measured;
   const FruitCloud& bridged;  // `measured` and points in its gaps, sorted into the map
   const SkinMap& map;
+};
+
+// Patches of significant cells, to be looked at one by one.
+struct Candidates {
   double threshold = 0;  // Segmentation::threshold
+  bool faint = false;
+  std::vector<Patch> patches{};
   std::vector<std::int32_t> patch_of{};
 };
 
@@ -36,18 +44,62 @@ double MeasuredShare(const Skin& skin, const Patch& patch) {
   return measured / patch.area_mm2;
 }
 
-std::vector<Defect> MeasurePatch(const Skin& skin, const Patch& patch, int number, const DefectOptions& options,
-                                 std::uint64_t seed) {
+std::vector<Defect> MeasurePatch(const Skin& skin, const Candidates& candidates, std::size_t number,
+                                 const DefectOptions& options, std::uint64_t seed) {
   std::vector<Defect> defects;
+  const Patch& patch = candidates.patches[number];
   if (MeasuredShare(skin, patch) < kMeasuredShare) return defects;
-  auto field = BuildTransitionField(skin.bridged, skin.map, patch, number, skin.patch_of);
-  if (!field || !StandsOut(*field, skin.threshold, options.segmentation)) return defects;
-  const Outlines found = SeparateDefects(std::move(*field), skin.threshold, options);
+  auto field = BuildTransitionField(skin.bridged, skin.map, patch, static_cast<int>(number), candidates.patch_of);
+  if (!field) return defects;
+  const auto stands_out = candidates.faint ? StandsOutFaintly : StandsOut;
+  if (!stands_out(*field, candidates.threshold, options)) return defects;
+  const Outlines found = SeparateDefects(std::move(*field), candidates.threshold, options);
   for (const Outline& outline : found.outlines) {
-    auto defect = MeasureDefect(skin.measured, skin.map, outline, options, seed + static_cast<std::uint64_t>(number));
+    auto defect = MeasureDefect(skin.measured, skin.map, outline, options, seed + number);
     if (defect) defects.push_back(std::move(*defect));
   }
   return defects;
+}
+
+Candidates FindCandidates(const Skin& skin, const SkinColours& colours, const DefectOptions& options) {
+  const Segmentation segmentation =
+      SegmentColours(colours.deviation, colours.seen, colours.sigma, options.segmentation);
+  Candidates candidates{.threshold = segmentation.threshold};
+  candidates.patches = FindPatches(skin.map, segmentation, options.cluster, &candidates.patch_of);
+  return candidates;
+}
+
+// A second look at colours of a lower contrast, clear of what the first look saw.
+Candidates FindFaintCandidates(const Skin& skin, const SkinColours& colours, const Candidates& first,
+                               const DefectOptions& options) {
+  DefectOptions lower = options;
+  lower.segmentation.significance_delta_e *= options.segmentation.faint_share;
+  lower.segmentation.significance_sigma *= options.segmentation.faint_share;
+  Segmentation segmentation = SegmentColours(colours.deviation, colours.seen, colours.sigma, lower.segmentation);
+  std::vector<std::uint8_t> taken(first.patch_of.size());
+  for (std::size_t cell = 0; cell < taken.size(); ++cell) taken[cell] = first.patch_of[cell] >= 0 ? 1 : 0;
+  const int halo = static_cast<int>(std::ceil(kHalo / skin.map.CellSize()));
+  const std::vector<int> steps = StepsFrom(skin.map, taken, halo);
+  for (std::size_t cell = 0; cell < taken.size(); ++cell) {
+    if (steps[cell] <= halo) segmentation.class_of[cell] = 0;
+  }
+  Candidates candidates{.threshold = segmentation.threshold, .faint = true};
+  candidates.patches = FindPatches(skin.map, segmentation, options.cluster, &candidates.patch_of);
+  for (std::size_t cell = 0; cell < taken.size(); ++cell) {
+    if (steps[cell] <= halo) candidates.patch_of[cell] = -2;  // no healthy skin either
+  }
+  return candidates;
+}
+
+Status MeasureAll(const Skin& skin, const Candidates& candidates, const DefectOptions& options,
+                  const RunContext& context, std::vector<Defect>& defects) {
+  std::vector<std::vector<Defect>> measured(candidates.patches.size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, measured.size(), [&](std::size_t k) {
+    measured[k] = MeasurePatch(skin, candidates, k, options, context.seed);
+  }));
+  DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
+  for (auto& list : measured) defects.insert(defects.end(), list.begin(), list.end());
+  return Status::Ok();
 }
 
 }  // namespace
@@ -58,17 +110,14 @@ Result<std::vector<Defect>> FindDefects(const FruitCloud& fruit, const DefectOpt
   const SkinMap map(bridged);
   DRUPE_ASSIGN_OR_RETURN(const SkinColours colours, MeasureDeviation(bridged, map, options.segmentation));
   DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
-  const Segmentation segmentation =
-      SegmentColours(colours.deviation, colours.seen, colours.sigma, options.segmentation);
-  Skin skin{.measured = fruit, .bridged = bridged, .map = map, .threshold = segmentation.threshold};
-  const std::vector<Patch> patches = FindPatches(map, segmentation, options.cluster, &skin.patch_of);
-  std::vector<std::vector<Defect>> measured(patches.size());
-  DRUPE_RETURN_IF_ERROR(ParallelFor(context, patches.size(), [&](std::size_t k) {
-    measured[k] = MeasurePatch(skin, patches[k], static_cast<int>(k), options, context.seed);
-  }));
-  DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
+  const Skin skin{.measured = fruit, .bridged = bridged, .map = map};
   std::vector<Defect> defects;
-  for (auto& list : measured) defects.insert(defects.end(), list.begin(), list.end());
+  const Candidates clear = FindCandidates(skin, colours, options);
+  DRUPE_RETURN_IF_ERROR(MeasureAll(skin, clear, options, context, defects));
+  if (options.segmentation.faint_share < 1) {
+    const Candidates faint = FindFaintCandidates(skin, colours, clear, options);
+    DRUPE_RETURN_IF_ERROR(MeasureAll(skin, faint, options, context, defects));
+  }
   std::stable_sort(defects.begin(), defects.end(),
                    [](const Defect& a, const Defect& b) { return a.area_mm2 > b.area_mm2; });
   for (std::size_t k = 0; k < defects.size(); ++k) defects[k].id = static_cast<int>(k) + 1;

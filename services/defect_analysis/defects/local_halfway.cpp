@@ -69,10 +69,7 @@ class Follower {
     if (column < 0 || row < 0 || column + 1 >= field_.width || row + 1 >= field_.height) return std::nullopt;
     const std::size_t node = static_cast<std::size_t>(row) * field_.width + column;
     if (field_.inside[node] < 0) return std::nullopt;
-    const double x = place.x() - column, y = place.y() - row;
-    const float* level = &field_.full_level[node];
-    return (1 - y) * ((1 - x) * level[0] + x * level[1]) +
-           y * ((1 - x) * level[field_.width] + x * level[field_.width + 1]);
+    return field_.ValueAt(field_.full_level, flat);
   }
 
   std::optional<double> MeanAlong(const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double near,

@@ -16,6 +16,7 @@ constexpr int kMostControlPoints = 160;
 constexpr double kBoundaryOffset = 0.1;    // of the points' spacing: standard uncertainty of the boundary as a whole
 constexpr double kSoftEdge = 0.12;         // of an edge's own width: where in it a grader would draw the line
 constexpr double kDisputed = 0.7;          // of the area between two half-way lines
+constexpr double kCrackWall = 0.03;        // mm: the shade of a crack's walls is as dark as the crack, and widens it
 constexpr double kCompletion = 0.05;       // of the area, where a part of the outline was completed
 constexpr double kSplineTolerance = 0.15;  // of the points' spacing: rms beyond which control points are doubled
 
@@ -86,15 +87,6 @@ std::vector<std::uint32_t> PointsInside(const FruitCloud& fruit, const SkinMap& 
   return inside;
 }
 
-double LevelAt(const TransitionField& field, const Eigen::Vector2d& flat) {
-  const Eigen::Vector2d place = (flat - field.origin) / field.step;
-  const int column = std::clamp(static_cast<int>(place.x()), 0, field.width - 2);
-  const int row = std::clamp(static_cast<int>(place.y()), 0, field.height - 2);
-  const double x = std::clamp(place.x() - column, 0.0, 1.0), y = std::clamp(place.y() - row, 0.0, 1.0);
-  const float* node = &field.level[static_cast<std::size_t>(row) * field.width + column];
-  return (1 - y) * ((1 - x) * node[0] + x * node[1]) + y * ((1 - x) * node[field.width] + x * node[field.width + 1]);
-}
-
 // Standard uncertainty of the area: the noise of the colours moves each independent piece of the boundary; the whole
 // boundary may lie off by a tenth of the points' spacing, since that is how far the colours' own blur is known; and the
 // curvature correction is trusted to a third. Where the local half-way line was not that of the whole, either may be
@@ -103,12 +95,7 @@ double AreaUncertainty(const Outline& outline, double perimeter) {
   const TransitionField& field = *outline.field;
   const Polygon& boundary = outline.polygon;
   double slope = 0;
-  const double step = field.blur;
-  for (const Eigen::Vector2d& p : boundary) {
-    const double dx = LevelAt(field, p + Eigen::Vector2d(step, 0)) - LevelAt(field, p - Eigen::Vector2d(step, 0));
-    const double dy = LevelAt(field, p + Eigen::Vector2d(0, step)) - LevelAt(field, p - Eigen::Vector2d(0, step));
-    slope += std::hypot(dx, dy) / (2 * step) / static_cast<double>(boundary.size());
-  }
+  for (const Eigen::Vector2d& p : boundary) slope += field.SlopeAt(p) / static_cast<double>(boundary.size());
   const double piece =
       2 * std::sqrt(std::numbers::pi) * field.blur;  // length over which the kernel ties nodes together
   const double level_noise = field.noise * field.spacing / piece + 0.02;
@@ -180,9 +167,9 @@ std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map,
   defect.depth_uncertainty_mm = depth.uncertainty_mm;
   defect.lab_change = field.defect_lab - field.healthy_lab;
   defect.diameter_mm = 2 * std::sqrt(defect.area_mm2 / std::numbers::pi);
-  defect.diameter_uncertainty_mm = defect.area_uncertainty_mm2 / (std::numbers::pi * defect.diameter_mm / 2);
   defect.perimeter_uncertainty_mm = PerimeterUncertainty(field, defect);
   DefectShape shape = ShapeOf(polygon, defect.area_mm2, defect.lab_change[0]);
+  shape.skin_lightness = field.healthy_lab[0];
   shape.depth_mm = depth.mm;
   shape.depth_uncertainty_mm = depth.uncertainty_mm;
   defect.length_mm = shape.length_mm;
@@ -191,6 +178,10 @@ std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map,
   const Classification found = model ? model->Classify(FeaturesOf(defect)) : Classify(shape, options.classes);
   defect.defect_class = found.defect_class;
   defect.confidence = found.confidence;
+  if (defect.defect_class == DefectClass::kCrack) {
+    defect.area_uncertainty_mm2 = std::hypot(defect.area_uncertainty_mm2, kCrackWall * defect.perimeter_mm);
+  }
+  defect.diameter_uncertainty_mm = defect.area_uncertainty_mm2 / (std::numbers::pi * defect.diameter_mm / 2);
   return defect;
 }
 

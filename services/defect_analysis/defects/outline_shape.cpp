@@ -1,9 +1,11 @@
 #include "defect_analysis/defects/outline_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "defect_analysis/defects/round_outline.h"
 
@@ -12,6 +14,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kNeck = 0.75;      // of the smaller part's half width
+constexpr double kWideNeck = 0.87;  // the same between two parts that both are parts of discs
+constexpr double kDiscRms = 0.035;  // of an outline about its smooth form, relative to its radius
 constexpr double kLeastFill = 0.6;  // of a part's area against the disc of its half width
 constexpr double kMostFill = 1.7;
 constexpr int kNodesAcross = 48;  // of the watershed's grid, over the outline's square root of area
@@ -138,11 +142,16 @@ bool FillsDisc(const Polygon& part, double half_width) {
   return fill > kLeastFill && fill < kMostFill;
 }
 
+// Whether a part follows a round outline so closely that a wide neck is no accident of its shape.
+bool IsPartOfDisc(const std::optional<CompletedOutline>& part) {
+  return part && part->rms < kDiscRms;
+}
+
 }  // namespace
 
 std::vector<Polygon> SplitAtNeck(const Polygon& outline, double min_area) {
   const Watershed::Neck neck = Watershed(outline).Narrowest(0.8 * std::sqrt(min_area / kPi));
-  if (neck.ratio >= kNeck) return {outline};
+  if (neck.ratio >= kWideNeck) return {outline};
   const auto [from, to] = NeckEnds(outline, neck.at);
   if (to >= outline.size() || to - from < 6 || outline.size() - (to - from) < 6) return {outline};
   const auto begin = outline.begin();
@@ -155,9 +164,12 @@ std::vector<Polygon> SplitAtNeck(const Polygon& outline, double min_area) {
       !FillsDisc(parts[1], first_is_large ? neck.small_width : neck.large_width)) {
     return {outline};
   }
+  std::array<std::optional<CompletedOutline>, 2> rounds = {CompleteOutline(parts[0]), CompleteOutline(parts[1])};
+  if (neck.ratio >= kNeck && !(IsPartOfDisc(rounds[0]) && IsPartOfDisc(rounds[1]))) return {outline};
   std::vector<Polygon> split;
-  for (const Polygon& part : parts) {
-    const auto completed = CompleteOutline(part);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Polygon& part = parts[k];
+    const auto& completed = rounds[k];
     for (Polygon& piece : SplitAtNeck(completed ? completed->polygon : part, min_area))
       split.push_back(std::move(piece));
   }

@@ -24,7 +24,14 @@ double ExtentOf(const std::vector<Eigen::Vector3d>& points) {
   return (high - low).maxCoeff();
 }
 
-Plane BestTrial(const std::vector<Eigen::Vector3d>& points, double distance, int iterations, std::uint64_t seed) {
+// Whether a plane faces as the skin does. Through a crack that runs round the fruit also a plane across the skin fits.
+bool FacesOutward(const Plane& plane, const Eigen::Vector3d& outward) {
+  constexpr double kLeastCosine = 0.5;
+  return std::abs(plane.normal.dot(outward)) >= kLeastCosine * outward.norm();
+}
+
+Plane BestTrial(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& outward, double distance,
+                int iterations, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto pick = [&]() -> const Eigen::Vector3d& { return points[random() % points.size()]; };
   Plane best;
@@ -34,6 +41,7 @@ Plane BestTrial(const std::vector<Eigen::Vector3d>& points, double distance, int
     const Eigen::Vector3d normal = (pick() - a).cross(pick() - a);
     if (normal.norm() < 1e-12) continue;
     const Plane plane{normal.normalized(), normal.normalized().dot(a)};
+    if (!FacesOutward(plane, outward)) continue;
     const auto count = std::count_if(points.begin(), points.end(),
                                      [&](const Eigen::Vector3d& x) { return plane.DistanceTo(x) <= distance; });
     if (count <= best_count) continue;
@@ -60,13 +68,14 @@ Result<DefectPlane> FitDefectPlane(const std::vector<Eigen::Vector3d>& points, c
   if (points.size() < 3) return Unprocessable("degenerate_plane", "a plane needs three points");
   const double asked = options.distance_mm > 0 ? options.distance_mm : options.distance * ExtentOf(points);
   const double distance = std::max(asked, noise_mm);
-  const Plane trial = BestTrial(points, distance, options.iterations, seed);
+  const Plane trial = BestTrial(points, outward, distance, options.iterations, seed);
   std::vector<Eigen::Vector3d> inliers;
   for (const Eigen::Vector3d& x : points) {
     if (trial.DistanceTo(x) <= distance) inliers.push_back(x);
   }
   if (trial.normal.isZero() || inliers.size() < 3) return Unprocessable("degenerate_plane", "the points fit no plane");
   Plane plane = LeastSquares(inliers);
+  if (!FacesOutward(plane, outward)) plane = trial;
   if (plane.normal.dot(outward) < 0) plane = {-plane.normal, -plane.offset};
   DefectPlane result{.normal = plane.normal, .offset_mm = plane.offset};
   double squares = 0;

@@ -33,5 +33,21 @@ TEST(FitDefectPlane, TheDistanceInMillimetresReplacesTheShare) {
   EXPECT_NEAR(close->mean_abs_z_mm, 0.2 * 0.5 * (3.14159 * 0.25 / 4) / 3, 1e-3);
 }
 
+// A strip of 0.3 mm that runs 12 mm round a ball of 18 mm lies well in a plane across the skin.
+TEST(FitDefectPlane, DoesNotCutAcrossTheSkinUnderACrack) {
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < 600; ++k) {
+    const double along = (k % 120 / 119.0 - 0.5) * 12 / 18, across = (k / 120 - 2) * 0.075 / 18;
+    points.push_back(18 * Eigen::Vector3d(std::sin(along), std::sin(across), std::cos(along)).normalized());
+  }
+  const auto plane = FitDefectPlane(points, Eigen::Vector3d::UnitZ(), 0.02, {}, 1);
+  EXPECT_TRUE(!plane.ok() || plane->normal.z() > 0.5);
+  PlaneOptions more;
+  more.iterations = 500;
+  const auto found = FitDefectPlane(points, Eigen::Vector3d::UnitZ(), 0.02, more, 1);
+  ASSERT_TRUE(found.ok());
+  EXPECT_GT(found->normal.z(), 0.5);
+}
+
 }  // namespace
 }  // namespace drupe

@@ -10,9 +10,10 @@
 
 namespace drupe {
 
-/// The colour class of every point of a fruit. In cells of a defect's class, and in those that border them, a point
-/// belongs to the class whose centre its own colour, shading off, is nearest to; elsewhere it is healthy. Cells decide
-/// where a defect is, being less noisy than points; points decide where it ends.
+/// The colour class of every point of a fruit. Cells decide where a defect is, being less noisy than points; points
+/// decide where it ends: in a connected group of defect cells and the cells that border it, a point belongs to the
+/// defect when its own colour, shading off, lies more than half-way, in linear light, from the skin to the colour of
+/// this group's core. A faint spot so ends where it looks half as faint, whatever the other spots' colours are.
 std::vector<std::uint8_t> ClassifyPoints(const FruitCloud& fruit, const SkinMap& map, const SkinColours& colours,
                                          const Segmentation& segmentation, const SegmentationOptions& options);
 

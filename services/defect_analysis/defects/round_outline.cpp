@@ -119,8 +119,22 @@ double ScaleOf(const std::vector<double>& residuals, double radius) {
   return std::max(kLeastScale * radius, RobustSigma(residuals));
 }
 
-void Reweight(const std::vector<double>& residuals, double scale, std::vector<double>& weights) {
-  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = TukeyWeight(residuals[i] / scale);
+std::vector<double> Weights(const std::vector<double>& residuals, double scale) {
+  std::vector<double> weights;
+  for (const double residual : residuals) weights.push_back(TukeyWeight(residual / scale));
+  return weights;
+}
+
+// The turn that each point stands for, 1 on average: the sides of a horn have many points but little turn.
+std::vector<double> TurnWeights(const Polygon& outline, const Eigen::Vector2d& middle) {
+  const std::size_t count = outline.size();
+  std::vector<double> turns;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector2d before = outline[(i + count - 1) % count] - middle, after = outline[(i + 1) % count] - middle;
+    const double turn = std::abs(std::remainder(AngleOf(after) - AngleOf(before), 2 * kPi));
+    turns.push_back(turn / (4 * kPi) * static_cast<double>(count));
+  }
+  return turns;
 }
 
 double SeenShare(const std::vector<Eigen::Vector2d>& seen, const Eigen::Vector2d& middle) {
@@ -168,7 +182,7 @@ std::optional<CompletedOutline> CompleteOutline(const std::vector<Eigen::Vector2
     form.Recentre();
     residuals = form.Residuals(seen);
     // The middle must have settled before a point can be called an outlier.
-    if (iteration >= kFitIterations / 2) Reweight(residuals, ScaleOf(residuals, form.mean_radius()), weights);
+    if (iteration >= kFitIterations / 2) weights = Weights(residuals, ScaleOf(residuals, form.mean_radius()));
   }
   if (share < kLeastTurn || form.WaveSize(2) > 0.5 * form.mean_radius()) return std::nullopt;
   CompletedOutline result{.polygon = {}, .rms = 0, .seen_share = share};
@@ -183,12 +197,14 @@ std::optional<CompletedOutline> CompleteOutline(const std::vector<Eigen::Vector2
 std::optional<Polygon> RepairRoundOutline(const Polygon& outline) {
   if (outline.size() < 4 * kRepairWaves) return std::nullopt;
   RadialForm form(Centroid(outline), kRepairWaves);
-  std::vector<double> weights(outline.size(), 1), residuals, radii;
+  const std::vector<double> turns = TurnWeights(outline, form.middle());
+  std::vector<double> residuals, radii;
   for (const Eigen::Vector2d& p : outline) radii.push_back((p - form.middle()).norm());
   const double radius = Median(radii);
   for (double r : radii) residuals.push_back(r - radius);
   for (int iteration = 0; iteration < kFitIterations; ++iteration) {
-    Reweight(residuals, ScaleOf(residuals, radius), weights);
+    std::vector<double> weights = Weights(residuals, ScaleOf(residuals, radius));
+    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= turns[i];
     form.Fit(outline, weights, [](int k) { return kRepairRidge * k * k; });
     residuals = form.Residuals(outline);
   }

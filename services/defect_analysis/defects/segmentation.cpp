@@ -1,5 +1,6 @@
 #include "defect_analysis/defects/segmentation.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -121,6 +122,14 @@ double DaviesBouldin(const Histogram& histogram, const std::vector<Eigen::Vector
   return sum / static_cast<double>(centres.size());
 }
 
+Eigen::Vector3f MeanBeyond(const Histogram& histogram, double threshold) {
+  Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+  for (const Bin& bin : histogram.bins) {
+    if (bin.mean.norm() > threshold) sum += bin.count * bin.mean.homogeneous();
+  }
+  return sum.hnormalized();
+}
+
 // Class of every bin after the test of significance: below the threshold a colour is healthy, whatever its class, and
 // above it it belongs to the nearest significant class.
 void TestSignificance(Histogram& histogram, std::vector<Eigen::Vector3f>& centres, double threshold) {
@@ -128,10 +137,10 @@ void TestSignificance(Histogram& histogram, std::vector<Eigen::Vector3f>& centre
   for (std::size_t k = 1; k < centres.size(); ++k) {
     if (centres[k].norm() > threshold) kept.push_back(centres[k]);
   }
+  if (kept.size() == 1) kept.push_back(MeanBeyond(histogram, threshold));
   const std::vector<Eigen::Vector3f> defects(kept.begin() + 1, kept.end());
   for (Bin& bin : histogram.bins) {
-    const bool significant = bin.mean.norm() > threshold && !defects.empty();
-    bin.label = significant ? 1 + NearestCentre(bin.mean, defects) : 0;
+    bin.label = bin.mean.norm() > threshold ? 1 + NearestCentre(bin.mean, defects) : 0;
   }
   centres = std::move(kept);
 }

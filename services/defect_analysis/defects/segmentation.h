@@ -22,7 +22,8 @@ struct Segmentation {
 /// costs the number of distinct colours and not of points; the first centre is healthy skin, known to be at zero,
 /// instead of one end of the farthest pair (which takes quadratic time to find); every further centre is the colour
 /// farthest from all centres so far, in one pass. `deviations`: colour minus healthy colour, L weighted; `sigma`:
-/// robust standard deviation of their lengths over healthy skin. Colours with a zero in `used` are class 0.
+/// robust standard deviation of their lengths over healthy skin. Colours with a zero in `used` are class 0. Colours
+/// beyond the threshold that no class of its own stands for (the skin's mottle drew all centres) become one class.
 Segmentation SegmentColours(const std::vector<Eigen::Vector3f>& deviations, const std::vector<std::uint8_t>& used,
                             double sigma, const SegmentationOptions& options);
 

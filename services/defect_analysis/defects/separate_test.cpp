@@ -8,8 +8,7 @@
 #include "defect_analysis/defects/colour_layers.h"
 #include "defect_analysis/defects/depth.h"
 #include "defect_analysis/defects/local_halfway.h"
-#include "defect_analysis/defects/outline_shape.h"
-#include "defect_analysis/defects/round_outline.h"
+#include "defect_analysis/defects/test_shapes.h"
 
 namespace drupe {
 namespace {
@@ -18,15 +17,6 @@ constexpr double kPi = std::numbers::pi;
 
 FruitSurface Ball() {
   return FruitSurface(Eigen::Vector3d::Zero(), CubeTable<float>::Of(16, [](const Eigen::Vector3d&) { return 18.0f; }));
-}
-
-Polygon Circle(const Eigen::Vector2d& middle, double radius, double from, double to, int points) {
-  Polygon polygon;
-  for (int k = 0; k < points; ++k) {
-    const double t = from + (to - from) * (k + 0.5) / points;
-    polygon.push_back(middle + radius * Eigen::Vector2d(std::cos(t), std::sin(t)));
-  }
-  return polygon;
 }
 
 // How far inside a disc, from 0 to 1 over an edge 0.2 mm wide.
@@ -57,36 +47,6 @@ TransitionField FieldOf(const FruitSurface& surface, const Level& level, const C
   field.full_level = field.level;
   field.defect_linear = Eigen::Vector3d(0.1, 0.1, 0.04);
   return field;
-}
-
-TEST(CompleteOutline, ClosesACircleOfWhichTwoThirdsAreSeen) {
-  const auto completed = CompleteOutline(Circle({2, -1}, 0.8, 0.3, 0.3 + 1.35 * kPi, 90));
-  ASSERT_TRUE(completed.has_value());
-  EXPECT_NEAR(SignedArea(completed->polygon), kPi * 0.64, 0.02);
-  EXPECT_NEAR(completed->seen_share, 0.68, 0.03);
-  EXPECT_LT(completed->rms, 0.01);
-}
-
-TEST(CompleteOutline, RefusesAShortArc) {
-  EXPECT_FALSE(CompleteOutline(Circle({0, 0}, 1, 0, 0.5, 40)).has_value());
-}
-
-// Two circles of radius 1 that overlap by 0.4 mm: an hourglass.
-TEST(SplitAtNeck, PartsTwoTouchingDiscs) {
-  const double angle = std::acos(0.8);
-  Polygon outline = Circle({-0.8, 0}, 1, angle, 2 * kPi - angle, 150);
-  const Polygon right = Circle({0.8, 0}, 1, angle - kPi, kPi - angle, 150);
-  outline.insert(outline.end(), right.begin(), right.end());
-  const auto parts = SplitAtNeck(outline, 0.35);
-  ASSERT_EQ(parts.size(), 2u);
-  for (const Polygon& part : parts) EXPECT_NEAR(SignedArea(part), kPi, 0.03 * kPi);
-}
-
-TEST(SplitAtNeck, LeavesASpotAndAScarWhole) {
-  EXPECT_EQ(SplitAtNeck(Circle({0, 0}, 1, 0, 2 * kPi, 200), 0.35).size(), 1u);
-  Polygon scar = Circle({0, 0}, 1, 0, 2 * kPi, 200);
-  for (Eigen::Vector2d& p : scar) p = {5 * p.x(), 0.8 * p.y() * (1 + 0.1 * std::cos(3 * p.x()))};
-  EXPECT_EQ(SplitAtNeck(scar, 0.35).size(), 1u);
 }
 
 TEST(SeparateDefects, TellsABrownSpotFromABlackStripItTouches) {
@@ -143,10 +103,10 @@ TEST(SeparateDefects, LeavesAPatchWithDarkBlotsOnItsRimWhole) {
 }
 
 TEST(CommonArea, OfTwoDiscs) {
-  const Polygon a = Circle({0, 0}, 1, 0, 2 * kPi, 200), b = Circle({1, 0}, 1, 0, 2 * kPi, 200);
+  const Polygon a = ArcOf({0, 0}, 1, 0, 2 * kPi, 200), b = ArcOf({1, 0}, 1, 0, 2 * kPi, 200);
   EXPECT_NEAR(CommonArea(a, b), 2 * kPi / 3 - std::sqrt(3.0) / 2, 0.02);
-  EXPECT_NEAR(CommonArea(a, Circle({0.2, 0}, 0.5, 0, 2 * kPi, 200)), kPi / 4, 0.02);
-  EXPECT_EQ(CommonArea(a, Circle({3, 0}, 1, 0, 2 * kPi, 200)), 0);
+  EXPECT_NEAR(CommonArea(a, ArcOf({0.2, 0}, 0.5, 0, 2 * kPi, 200)), kPi / 4, 0.02);
+  EXPECT_EQ(CommonArea(a, ArcOf({3, 0}, 1, 0, 2 * kPi, 200)), 0);
 }
 
 // Skin that is shaded to 0.4 of the defect's level on one side of a disc with a soft edge.
@@ -180,11 +140,11 @@ TEST(MeasureDepth, OfAHollow) {
   }
   const SkinMap map(fruit);
   const SkinChart chart(fruit.surface, Eigen::Vector3d::UnitX());
-  const DefectDepth depth = MeasureDepth(fruit, map, chart, Circle({0, 0}, 2, 0, 2 * kPi, 100));
+  const DefectDepth depth = MeasureDepth(fruit, map, chart, ArcOf({0, 0}, 2, 0, 2 * kPi, 100));
   EXPECT_NEAR(depth.mm, 0.2, 0.01);
   EXPECT_LT(depth.uncertainty_mm, 0.01);
   const DefectDepth level =
-      MeasureDepth(fruit, map, SkinChart(fruit.surface, Eigen::Vector3d::UnitZ()), Circle({0, 0}, 2, 0, 2 * kPi, 100));
+      MeasureDepth(fruit, map, SkinChart(fruit.surface, Eigen::Vector3d::UnitZ()), ArcOf({0, 0}, 2, 0, 2 * kPi, 100));
   EXPECT_NEAR(level.mm, 0, 0.003);
 }
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "defect_analysis/defects/stain_edge.h"
 #include "image/colour.h"
 
 namespace drupe {
-
 namespace {
 
 // The colour without the light that it has more than the skin.
@@ -19,17 +19,33 @@ Eigen::Vector3d WithoutAddedLight(const Eigen::Vector3d& colour, const Eigen::Ve
   return colour.array() - std::max(0.0, (colour - skin).minCoeff());
 }
 
-}  // namespace
-
-double ContrastBeyondLight(const TransitionField& field, double lightness_weight) {
-  const Eigen::Vector3d pigment = WithoutAddedLight(field.defect_linear, field.healthy_linear);
-  Eigen::Vector3f difference = LabFromLinear(pigment.cast<float>()) - LabFromLinear(field.healthy_linear.cast<float>());
+double WeightedDifference(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin, double lightness_weight) {
+  Eigen::Vector3f difference = LabFromLinear(colour.cast<float>()) - LabFromLinear(skin.cast<float>());
   difference[0] *= static_cast<float>(lightness_weight);
   return difference.norm();
 }
 
-bool StandsOut(const TransitionField& field, double threshold, const SegmentationOptions& options) {
-  return field.noise * options.local_sigma <= 1 && ContrastBeyondLight(field, options.lightness_weight) >= threshold;
+}  // namespace
+
+double ContrastBeyondLight(const TransitionField& field, double lightness_weight) {
+  const Eigen::Vector3d pigment = WithoutAddedLight(field.defect_linear, field.healthy_linear);
+  return WeightedDifference(pigment, field.healthy_linear, lightness_weight);
+}
+
+double Contrast(const TransitionField& field, double lightness_weight) {
+  return WeightedDifference(field.defect_linear, field.healthy_linear, lightness_weight);
+}
+
+bool StandsOut(const TransitionField& field, double threshold, const DefectOptions& options) {
+  if (field.noise * options.segmentation.local_sigma > 1) return false;
+  if (ContrastBeyondLight(field, options.segmentation.lightness_weight) >= threshold) return true;
+  return StandsOutFaintly(field, threshold, options);
+}
+
+bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options) {
+  return field.noise * options.segmentation.local_sigma <= 1 &&
+         Contrast(field, options.segmentation.lightness_weight) >= threshold &&
+         HasStainsEdge(field, options.contour.level, options.cluster.min_area_mm2);
 }
 
 }  // namespace drupe

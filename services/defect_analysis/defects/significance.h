@@ -11,9 +11,15 @@ namespace drupe {
 /// way, the light is taken off first. What absorbs light in any channel, as a stain does, loses nothing.
 double ContrastBeyondLight(const TransitionField& field, double lightness_weight);
 
+/// Weighted colour difference between a defect's core and the skin about it, light included.
+double Contrast(const TransitionField& field, double lightness_weight);
+
 /// Whether a patch differs from the skin right beside it, and not only from the smooth model of the whole fruit's skin,
-/// which is uncertain near the rim of what is seen: its contrast beyond light reaches `threshold`, and the local noise
-/// of the skin's colour leaves it local_sigma standard deviations.
-bool StandsOut(const TransitionField& field, double threshold, const SegmentationOptions& options);
+/// which is uncertain near the rim of what is seen: the local noise of the skin's colour leaves it local_sigma standard
+/// deviations, and its contrast beyond light reaches `threshold`, or its contrast does and it has a stain's edge.
+bool StandsOut(const TransitionField& field, double threshold, const DefectOptions& options);
+
+/// The same for a patch whose contrast reaches a lower `threshold` only: it must have a stain's edge.
+bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options);
 
 }  // namespace drupe

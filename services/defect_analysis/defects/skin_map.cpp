@@ -60,4 +60,22 @@ std::array<std::int32_t, 8> SkinMap::NeighboursAtEdge(int cell) const {
           map_.Neighbour(cell, 1, -1), map_.Neighbour(cell, -1, -1)};
 }
 
+std::vector<int> StepsFrom(const SkinMap& map, const std::vector<std::uint8_t>& from, int most) {
+  std::vector<int> steps(from.size(), most + 1);
+  std::vector<std::int32_t> front;
+  for (std::size_t cell = 0; cell < from.size(); ++cell) {
+    if (from[cell] == 0) continue;
+    steps[cell] = 0;
+    front.push_back(static_cast<std::int32_t>(cell));
+  }
+  for (std::size_t next = 0; next < front.size() && steps[front[next]] < most; ++next) {
+    for (const std::int32_t other : map.NeighboursOf(front[next])) {
+      if (steps[other] <= most) continue;
+      steps[other] = steps[front[next]] + 1;
+      front.push_back(other);
+    }
+  }
+  return steps;
+}
+
 }  // namespace drupe

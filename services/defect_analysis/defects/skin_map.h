@@ -46,4 +46,7 @@ class SkinMap {
   double cell_size_ = 0;
 };
 
+/// Steps between neighbouring cells from the nearest cell with a 1 in `from`; `most` + 1 beyond `most`.
+std::vector<int> StepsFrom(const SkinMap& map, const std::vector<std::uint8_t>& from, int most);
+
 }  // namespace drupe

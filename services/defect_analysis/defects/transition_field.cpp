@@ -255,6 +255,22 @@ void MarkInside(const SkinMap& map, const Patch& patch, int number, const std::v
 
 }  // namespace
 
+double TransitionField::ValueAt(const std::vector<float>& values, const Eigen::Vector2d& flat) const {
+  const Eigen::Vector2d place = (flat - origin) / step;
+  const int column = std::clamp(static_cast<int>(std::floor(place.x())), 0, width - 2);
+  const int row = std::clamp(static_cast<int>(std::floor(place.y())), 0, height - 2);
+  const double x = std::clamp(place.x() - column, 0.0, 1.0), y = std::clamp(place.y() - row, 0.0, 1.0);
+  const float* node = &values[static_cast<std::size_t>(row) * width + column];
+  return (1 - y) * ((1 - x) * node[0] + x * node[1]) + y * ((1 - x) * node[width] + x * node[width + 1]);
+}
+
+double TransitionField::SlopeAt(const Eigen::Vector2d& flat) const {
+  const Eigen::Vector2d x(blur, 0), y(0, blur);
+  return std::hypot(ValueAt(level, flat + x) - ValueAt(level, flat - x),
+                    ValueAt(level, flat + y) - ValueAt(level, flat - y)) /
+         (2 * blur);
+}
+
 std::optional<TransitionField> BuildTransitionField(const FruitCloud& fruit, const SkinMap& map, const Patch& patch,
                                                     int patch_number, const std::vector<std::int32_t>& patch_of) {
   TransitionField field{.chart = SkinChart(fruit.surface, MiddleOf(map, patch))};

@@ -32,6 +32,10 @@ struct TransitionField {
   int points = 0;                                            ///< in the patch
 
   Eigen::Vector2d FlatOf(double column, double row) const { return origin + step * Eigen::Vector2d(column, row); }
+  /// A value of every node (level, full_level), interpolated at a place on the map; outside, that of the grid's rim.
+  double ValueAt(const std::vector<float>& values, const Eigen::Vector2d& flat) const;
+  /// How steeply the level falls at a place, per mm, taken over the kernel's width.
+  double SlopeAt(const Eigen::Vector2d& flat) const;
 };
 
 /// Resamples the points about a patch. The level is the colour's place on the line from the healthy to the defective

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "defect_analysis/defects/transition_field.h"
+
+namespace drupe {
+
+/// Whether a patch is drawn on the skin as a stain is, and not laid over it by light: one roundish outline of at least
+/// `min_area` mm2 at the level `level`, which the colour crosses within a few tenths of a millimetre all around, from
+/// skin that is clear of it to a defect that is even. A highlight, a reflection and shade fade out over a millimetre or
+/// more, or end on one side only, whatever their colour; so this tells a pale spot on grey skin from gloss where the
+/// colours are the same.
+bool HasStainsEdge(const TransitionField& field, double level, double min_area);
+
+}  // namespace drupe
