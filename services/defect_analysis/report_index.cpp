@@ -1,9 +1,9 @@
 #include "defect_analysis/report_index.h"
 
 #include <algorithm>
-#include <charconv>
-#include <limits>
 #include <utility>
+
+#include "jobs/sql/page_cursor.h"
 
 namespace drupe {
 
@@ -57,14 +57,6 @@ Result<ReportEntry> ReadEntry(const Statement& row) {
   DRUPE_ASSIGN_OR_RETURN(const Json artifacts, ParseJson(row.Text(7)));
   entry.artifacts = ParseArtifacts(artifacts);
   return entry;
-}
-
-Result<std::int64_t> ParseCursor(const std::string& cursor) {
-  std::int64_t seq = std::numeric_limits<std::int64_t>::max();
-  if (cursor.empty()) return seq;
-  const auto [end, error] = std::from_chars(cursor.data(), cursor.data() + cursor.size(), seq);
-  if (error == std::errc() && end == cursor.data() + cursor.size() && seq > 0) return seq;
-  return InvalidArgument("invalid_cursor", "the cursor must be one that a former page returned", "cursor");
 }
 
 }  // namespace

@@ -63,6 +63,8 @@ def require_engine():
         raise NoEngine("no Docker engine answers")
     if not (works("docker", "image", "inspect", BASE_IMAGE) or works("docker", "pull", "-q", BASE_IMAGE)):
         raise NoEngine(f"{BASE_IMAGE} cannot be had")
+    if not works("docker", "run", "--rm", BASE_IMAGE, "apt-get", "-o", "APT::Update::Error-Mode=any", "update"):
+        raise NoEngine("no Debian mirror can be reached from a container")
 
 
 def build_images(bin_directory):

@@ -9,7 +9,7 @@ import unittest
 from drupe import BIN, QUICK_OPTIONS, ROOT, Service, System, free_port, sample_images
 
 sys.path.insert(0, str(ROOT / "tests/postgres"))
-from cluster import Cluster, NoServer  # noqa: E402  (found through the line above)
+from cluster import cluster_or_skip  # noqa: E402  (found through the line above)
 
 
 def drupe_store(*arguments):
@@ -41,11 +41,7 @@ class BackupTest(unittest.TestCase):
         self.assertEqual(self.service.get(path).body, cloud)
 
     def test_postgres_dumped_while_it_works_then_restored_elsewhere(self):
-        try:
-            cluster = self.enterContext(Cluster())
-            other = self.enterContext(Cluster())
-        except NoServer as reason:
-            self.skipTest(str(reason))
+        cluster, other = (cluster_or_skip(self.enterContext) for _ in range(2))
         self.service.arguments += ["--jobs-url", cluster.url]
         self.system.start()
         path, cloud = self.artifact_of_a_finished_job()

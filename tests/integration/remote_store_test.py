@@ -18,7 +18,7 @@ import unittest
 from drupe import ENDED, QUICK_OPTIONS, ROOT, Service, System, free_port, sample_images, sample_parts, wait_for
 
 sys.path.insert(0, str(ROOT / "tests/postgres"))
-from cluster import Cluster, NoServer  # noqa: E402  (found through the line above)
+from cluster import cluster_or_skip  # noqa: E402  (found through the line above)
 
 TOKENS = {"worker": ["read", "submit", "store"], "user": ["read", "submit"]}
 SECRET = "a secret that nobody knows"
@@ -99,10 +99,7 @@ class Receiver:
 class RemoteStoreTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        try:
-            cls.cluster = cls.enterClassContext(Cluster())
-        except NoServer as reason:
-            raise unittest.SkipTest(str(reason)) from None
+        cls.cluster = cluster_or_skip(cls.enterClassContext)
         cls.system = System()
         cls.addClassCleanup(cls.system.close)
         cls.receiver = Receiver()

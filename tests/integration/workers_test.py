@@ -7,7 +7,7 @@ import unittest
 from drupe import JOB_TIMEOUT_S, QUICK_OPTIONS, ROOT, Service, System, free_port, sample_images, wait_for
 
 sys.path.insert(0, str(ROOT / "tests/postgres"))
-from cluster import Cluster, NoServer  # noqa: E402  (found through the line above)
+from cluster import cluster_or_skip  # noqa: E402  (found through the line above)
 
 LEASE_S = 3
 IMAGES = 12
@@ -16,10 +16,7 @@ IMAGES = 12
 class WorkersTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        try:
-            cls.cluster = cls.enterClassContext(Cluster())
-        except NoServer as reason:
-            raise unittest.SkipTest(str(reason)) from None
+        cls.cluster = cluster_or_skip(cls.enterClassContext)
         cls.system = System()
         cls.addClassCleanup(cls.system.close)
         cls.wire()

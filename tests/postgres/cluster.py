@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unittest
 
 OLDEST = 15
 READY_TIMEOUT_S = 60
@@ -106,6 +107,14 @@ class Cluster:
         except subprocess.TimeoutExpired:
             self.server.kill()
             self.server.wait()
+
+
+def cluster_or_skip(enter_context):
+    """A cluster that lives as long as a test or its class, by its enterContext; the test is skipped where there is no server."""
+    try:
+        return enter_context(Cluster())
+    except NoServer as reason:
+        raise unittest.SkipTest(str(reason)) from None
 
 
 def main():

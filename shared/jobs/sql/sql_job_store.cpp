@@ -1,15 +1,14 @@
 #include "jobs/sql/sql_job_store.h"
 
 #include <algorithm>
-#include <charconv>
 #include <functional>
-#include <limits>
 
 #include "base/ids.h"
 #include "base/log.h"
 #include "base/trace.h"
 #include "jobs/sql/job_life.h"
 #include "jobs/sql/job_rows.h"
+#include "jobs/sql/page_cursor.h"
 
 namespace drupe {
 
@@ -24,14 +23,6 @@ Status Conflict(std::string code, std::string message) {
 /// Equality of JSON values, whatever the order of keys.
 bool SameJson(const Json& a, const Json& b) {
   return nlohmann::json(a) == nlohmann::json(b);
-}
-
-Result<std::int64_t> ParseCursor(const std::string& cursor) {
-  std::int64_t seq = std::numeric_limits<std::int64_t>::max();
-  if (cursor.empty()) return seq;
-  const auto [end, error] = std::from_chars(cursor.data(), cursor.data() + cursor.size(), seq);
-  if (error == std::errc() && end == cursor.data() + cursor.size() && seq > 0) return seq;
-  return InvalidArgument("invalid_cursor", "the cursor must be one that a former page returned", "cursor");
 }
 
 Job NewJob(const JobSpec& spec, std::int64_t now_ms) {
