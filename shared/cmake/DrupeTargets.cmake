@@ -1,6 +1,7 @@
 # One target a folder, with explicit links.
 #
 #   drupe_library(drupe_store SOURCES a.cpp b.cpp PUBLIC drupe_base PRIVATE OpenSSL::Crypto)
+#   drupe_program(drupe HEADERS drupe_cli_headers ...)        another set of precompiled headers (DrupeHeaders.cmake)
 #   drupe_program(drupe-capture SOURCES main.cpp PRIVATE drupe_http)
 #   drupe_test(drupe_store_test SOURCES a_test.cpp PRIVATE drupe_store)
 #   drupe_test(drupe_camera_test SOURCES ... LOCK cameras)    tests with the same lock never run at the same time
@@ -9,18 +10,20 @@
 # Includes are written from the top of shared/ or services/: #include "base/status.h", "reconstruction/dense/patch.h".
 
 function(drupe_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "HEADERS" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  drupe_use_headers(${name} "${ARG_HEADERS}")
 endfunction()
 
 function(drupe_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "HEADERS" "SOURCES;PRIVATE" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+  drupe_use_headers(${name} "${ARG_HEADERS}")
 endfunction()
 
 function(drupe_test name)
@@ -33,8 +36,10 @@ function(drupe_test name)
     list(APPEND properties RESOURCE_LOCK ${ARG_LOCK})
   endif()
   add_executable(${name} ${ARG_SOURCES})
+  target_compile_options(${name} PRIVATE ${drupe_test_options})
   target_compile_definitions(${name} PRIVATE DRUPE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data")
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} GTest::gtest_main)
+  drupe_use_headers(${name} drupe_test_headers)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES ${properties})
