@@ -1,6 +1,7 @@
 #include "cli/bench/openmvg_peer.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -36,7 +37,7 @@ constexpr const char* kSfmData = R"({
 /// A directory with programs that stand where OpenMVG's would, and nothing else on PATH while it lives.
 class FakeOpenMvg {
  public:
-  FakeOpenMvg() : directory_(std::filesystem::path(testing::TempDir()) / "fake_openmvg") {
+  FakeOpenMvg() : directory_(testing::TempDir() + "fake_openmvg_" + std::to_string(::getpid())) {
     std::filesystem::remove_all(directory_);
     std::filesystem::create_directories(directory_ / "bin");
     std::filesystem::create_directories(directory_ / "out");
