@@ -1,11 +1,16 @@
 #include "geometry/p3p.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
+
+#include "geometry/small_eigen.h"
 
 namespace drupe {
 namespace {
+
+constexpr double kLeastLeading = 1e-12;  ///< of the quartic
+constexpr double kRootTolerance = 1e-4;  ///< of RealRoots: half the digits of a double root are lost
 
 /// The triangle of the points and the angles between the rays, in Haralick's letters: a, b, c are the sides opposite
 /// the points 1, 2, 3, squared; alpha, beta, gamma the angles between rays 2-3, 1-3, 1-2.
@@ -23,20 +28,6 @@ std::array<double, 5> Quartic(const Triangle& t) {
       (1 + p) * (1 + p) - 4 * a_b * cg * cg, 4 * (-p * (1 + p) * cb + 2 * a_b * cg * cg * cb - (1 - q) * ca * cg),
       2 * (p * p - 1 + 2 * p * p * cb * cb + 2 * (1 - c_b) * ca * ca - 4 * q * ca * cb * cg + 2 * (1 - a_b) * cg * cg),
       4 * (p * (1 - p) * cb - (1 - q) * ca * cg + 2 * c_b * ca * ca * cb), (p - 1) * (p - 1) - 4 * c_b * ca * ca};
-}
-
-std::vector<double> RealRoots(const std::array<double, 5>& coefficients) {
-  const double lead = coefficients[4];
-  if (std::abs(lead) < 1e-12) return {};
-  Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
-  for (int i = 0; i < 4; ++i) companion(i, 3) = -coefficients[i] / lead;
-  for (int i = 0; i < 3; ++i) companion(i + 1, i) = 1;
-  const Eigen::Vector4cd values = companion.eigenvalues();
-  std::vector<double> roots;
-  for (int i = 0; i < 4; ++i) {
-    if (std::abs(values[i].imag()) < 1e-4 * (1 + std::abs(values[i].real()))) roots.push_back(values[i].real());
-  }
-  return roots;
 }
 
 /// Newton's method on the three cosine laws; also repairs double roots, which eigenvalues give to half the digits.
@@ -78,8 +69,10 @@ std::vector<Rigid3> SolveP3p(const std::array<Eigen::Vector3d, 3>& points, const
   if (area2 < 1e-12 * t.b2 * t.c2 || t.b2 <= 0) return {};
 
   const double p = (t.a2 - t.c2) / t.b2;
+  const std::array<double, 5> quartic = Quartic(t);
+  if (std::abs(quartic[4]) < kLeastLeading) return {};
   std::vector<Rigid3> poses;
-  for (double v : RealRoots(Quartic(t))) {
+  for (const double v : RealRoots(quartic, kRootTolerance)) {
     const double denominator = 2 * (t.cos_gamma - v * t.cos_alpha);
     if (v <= 0 || std::abs(denominator) < 1e-12) continue;
     const double u = ((p - 1) * v * v - 2 * p * t.cos_beta * v + 1 + p) / denominator;

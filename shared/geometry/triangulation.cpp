@@ -1,10 +1,12 @@
 #include "geometry/triangulation.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 #include <vector>
+
+#include "geometry/solve_symmetric.h"
 
 namespace drupe {
 namespace {
@@ -38,7 +40,7 @@ std::optional<Eigen::Vector3d> Step(std::span<const RayObservation> observations
     normal.noalias() += jacobian.transpose() * jacobian;
     right.noalias() += jacobian.transpose() * (observation.xy - p.hnormalized());
   }
-  return normal.ldlt().solve(right);
+  return SolveSymmetric(normal, right);
 }
 
 }  // namespace

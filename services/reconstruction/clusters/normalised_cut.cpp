@@ -1,10 +1,11 @@
 #include "reconstruction/clusters/normalised_cut.h"
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 #include <numeric>
+
+#include "geometry/symmetric_eigen.h"
 
 namespace drupe {
 namespace {
@@ -29,8 +30,8 @@ Eigen::MatrixXd SharpenedWeights(const SimilarityGraph& graph, const std::vector
 std::vector<Eigen::Index> SpectralOrder(const Eigen::MatrixXd& weights) {
   const Eigen::VectorXd scale = weights.rowwise().sum().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd normalised = scale.asDiagonal() * weights * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normalised);  // ascending: ours is the last but one
-  const Eigen::VectorXd y = scale.cwiseProduct(solver.eigenvectors().col(weights.rows() - 2));
+  const SymmetricEigen eigen = DecomposeSymmetric(normalised);  // ascending: ours is the last but one
+  const Eigen::VectorXd y = scale.cwiseProduct(eigen.vectors.col(weights.rows() - 2));
   std::vector<Eigen::Index> order(weights.rows());
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   std::stable_sort(order.begin(), order.end(), [&y](Eigen::Index a, Eigen::Index b) { return y[a] < y[b]; });

@@ -1,6 +1,5 @@
 #include "reconstruction/matching/fundamental.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -8,17 +7,18 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/solve_symmetric.h"
 #include "reconstruction/matching/plane_parallax.h"
 #include "reconstruction/matching/seven_point.h"
 
 namespace drupe {
 namespace {
 
-constexpr int kSample = 7;
-constexpr int kRefineSteps = 12;
+constexpr int kSevenPoints = 7;
+constexpr int kFundamentalSteps = 12;
 constexpr double kFirstDamping = 1e-6;  ///< relative to the mean of the diagonal
 constexpr double kConverged = 1e-9;     ///< relative decrease of the cost at which to stop
-constexpr double kMinIterations = 50;
+constexpr double kFundamentalIterations = 50;
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
@@ -48,7 +48,7 @@ Eigen::Matrix3d Turned(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& b
 
 /// The normal equations of one Gauss-Newton step: turns of u and v, then the angle. The denominator of the Sampson
 /// distance counts as constant.
-struct NormalEquations {
+struct FundamentalEquations {
   Matrix7d jtj = Matrix7d::Zero();
   Vector7d jtr = Vector7d::Zero();
 
@@ -72,10 +72,10 @@ struct NormalEquations {
 /// Where a damped step leads. Damped, because a matrix of two equal singular values leaves one of the parameters open.
 Orthonormal Stepped(const Orthonormal& at, std::span<const PointPair> pairs, double max_error, double damping) {
   const Eigen::Matrix3d f = at.Matrix();
-  NormalEquations equations;
+  FundamentalEquations equations;
   for (const PointPair& pair : pairs) equations.Add(at, f, pair, max_error * max_error);
   equations.jtj.diagonal().array() += damping * equations.jtj.diagonal().mean();
-  const Vector7d step = -equations.jtj.ldlt().solve(equations.jtr);
+  const Vector7d step = -SolveSymmetric(equations.jtj, equations.jtr);
   if (!step.allFinite()) return at;
   Orthonormal next = at;
   next.u = Turned(at.u, step.head<3>());
@@ -97,28 +97,28 @@ class FundamentalSearch {
   std::optional<FundamentalEstimate> Run() {
     double required = options_.max_iterations;
     for (int iteration = 0; iteration < std::min<double>(required, options_.max_iterations); ++iteration) {
-      const std::array<PointPair, kSample> sample = Draw();
+      const std::array<PointPair, kSevenPoints> sample = Draw();
       bool improved = false;
       for (const Eigen::Matrix3d& f : SolveSevenPoint(sample)) improved = Consider(f, sample) || improved;
       if (!improved) continue;
-      required =
-          std::max(kMinIterations, RequiredIterations(score_.inliers, pairs_.size(), kSample, options_.confidence));
+      required = std::max(kFundamentalIterations,
+                          RequiredIterations(score_.inliers, pairs_.size(), kSevenPoints, options_.confidence));
     }
-    if (score_.inliers < kSample) return std::nullopt;
+    if (score_.inliers < kSevenPoints) return std::nullopt;
     best_.inliers = InliersOf(best_.matrix, pairs_, options_.max_error);
     return best_;
   }
 
  private:
-  std::array<PointPair, kSample> Draw() {
-    const auto drawn = DrawDistinct<kSample>(pairs_.size(), random_);
-    std::array<PointPair, kSample> sample;
-    for (int i = 0; i < kSample; ++i) sample[i] = pairs_[drawn[i]];
+  std::array<PointPair, kSevenPoints> Draw() {
+    const auto drawn = DrawDistinct<kSevenPoints>(pairs_.size(), random_);
+    std::array<PointPair, kSevenPoints> sample;
+    for (int i = 0; i < kSevenPoints; ++i) sample[i] = pairs_[drawn[i]];
     return sample;
   }
 
   /// True when the sample's matrix, or what its plane is completed to, is the best so far.
-  bool Consider(const Eigen::Matrix3d& f, const std::array<PointPair, kSample>& sample) {
+  bool Consider(const Eigen::Matrix3d& f, const std::array<PointPair, kSevenPoints>& sample) {
     if (ScoreEpipolar(f, pairs_, options_.max_error, score_.cost).cost >= score_.cost) return false;
     const bool improved = Keep(f, false);
     const std::optional<Eigen::Matrix3d> plane = PlaneOfSample(f, sample, options_.max_error);
@@ -151,7 +151,7 @@ Eigen::Matrix3d RefineFundamental(std::span<const PointPair> pairs, double max_e
   Orthonormal at(start);
   double cost = CostOf(at.Matrix(), pairs, max_error);
   double damping = kFirstDamping;
-  for (int i = 0; i < kRefineSteps; ++i) {
+  for (int i = 0; i < kFundamentalSteps; ++i) {
     const Orthonormal next = Stepped(at, pairs, max_error, damping);
     const double next_cost = CostOf(next.Matrix(), pairs, max_error);
     if (!(next_cost < cost)) {
@@ -176,7 +176,7 @@ std::vector<int> InliersOf(const Eigen::Matrix3d& fundamental, std::span<const P
 }
 
 std::optional<FundamentalEstimate> EstimateFundamental(std::span<const PointPair> pairs, const RansacOptions& options) {
-  if (pairs.size() < kSample) return std::nullopt;
+  if (pairs.size() < kSevenPoints) return std::nullopt;
   return FundamentalSearch(pairs, options).Run();
 }
 

@@ -8,31 +8,26 @@
 #include <random>
 #include <vector>
 
+#include "geometry/homography_fit.h"
 #include "reconstruction/matching/ransac.h"
 
 namespace drupe {
 namespace {
 
-constexpr int kSample = 4;
+constexpr int kFourPoints = 4;
 constexpr int kIterations = 100;
 /// A share needs no more points than this.
 constexpr std::size_t kMaxPairs = 600;
 
-/// Least squares solution of second ~ H first (direct linear transformation).
 Eigen::Matrix3d FitHomography(std::span<const PointPair> pairs) {
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
-  for (const PointPair& pair : pairs) {
-    const Eigen::Vector3d a = pair.first.homogeneous();
-    Eigen::Matrix<double, 2, 9> rows;
-    rows << a.transpose(), Eigen::RowVector3d::Zero(), -pair.second.x() * a.transpose(), Eigen::RowVector3d::Zero(),
-        a.transpose(), -pair.second.y() * a.transpose();
-    normal.noalias() += rows.transpose() * rows;
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(normal);
-  const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
-  Eigen::Matrix3d homography;
-  homography << h.head<3>().transpose(), h.segment<3>(3).transpose(), h.tail<3>().transpose();
-  return homography;
+  HomographyFit fit;
+  for (const PointPair& pair : pairs) fit.Add(pair.first, pair.second);
+  return fit.Solve();
+}
+
+std::size_t CountExplained(const Eigen::Matrix3d& h, std::span<const PointPair> pairs, double max_error) {
+  const auto is_explained = [&](const PointPair& pair) { return SquaredTransfer(h, pair) < max_error * max_error; };
+  return static_cast<std::size_t>(std::count_if(pairs.begin(), pairs.end(), is_explained));
 }
 
 std::vector<PointPair> ExplainedBy(const Eigen::Matrix3d& h, std::span<const PointPair> pairs, double max_error) {
@@ -61,24 +56,25 @@ double SquaredTransfer(const Eigen::Matrix3d& homography, const PointPair& pair)
 
 Eigen::Matrix3d RefineHomography(const Eigen::Matrix3d& start, std::span<const PointPair> pairs, double max_error) {
   const std::vector<PointPair> explained = ExplainedBy(start, pairs, max_error);
-  if (explained.size() < kSample) return start;
+  if (explained.size() < kFourPoints) return start;
   const Eigen::Matrix3d refined = FitHomography(explained);
-  return ExplainedBy(refined, pairs, max_error).size() < explained.size() ? start : refined;
+  return CountExplained(refined, pairs, max_error) < explained.size() ? start : refined;
 }
 
 std::optional<Homography> EstimateHomography(std::span<const PointPair> pairs, double max_error, std::uint64_t seed) {
   const std::vector<PointPair> points = Thinned(pairs);
-  if (points.size() < kSample) return std::nullopt;
+  if (points.size() < kFourPoints) return std::nullopt;
   std::mt19937_64 random(seed);
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   std::size_t most = 0;
   for (int iteration = 0; iteration < kIterations && most < points.size(); ++iteration) {
     std::vector<PointPair> sample;
-    for (const std::size_t i : DrawDistinct<kSample>(points.size(), random)) sample.push_back(points[i]);
-    const std::vector<PointPair> explained = ExplainedBy(FitHomography(sample), points, max_error);
-    if (explained.size() <= most || explained.size() < kSample) continue;
-    const Eigen::Matrix3d refined = FitHomography(explained);
-    const std::size_t count = ExplainedBy(refined, points, max_error).size();
+    for (const std::size_t i : DrawDistinct<kFourPoints>(points.size(), random)) sample.push_back(points[i]);
+    const Eigen::Matrix3d first = FitHomography(sample);
+    const std::size_t explained = CountExplained(first, points, max_error);
+    if (explained <= most || explained < kFourPoints) continue;
+    const Eigen::Matrix3d refined = FitHomography(ExplainedBy(first, points, max_error));
+    const std::size_t count = CountExplained(refined, points, max_error);
     if (count <= most) continue;
     most = count;
     best = refined;

@@ -1,11 +1,11 @@
 #include "reconstruction/matching/relative_pose.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 
+#include "geometry/solve_symmetric.h"
 #include "reconstruction/matching/five_point.h"
 #include "reconstruction/matching/ransac.h"
 
@@ -110,7 +110,7 @@ Rigid3 RefineRelativePose(std::span<const PointPair> pairs, double max_error, co
     const Tangents tangents = TangentsOf(pose.translation);
     NormalEquations equations;
     for (const PointPair& pair : pairs) equations.Add(pose, e, tangents, pair, max_error * max_error);
-    const Eigen::Matrix<double, 5, 1> step = -equations.jtj.ldlt().solve(equations.jtr);
+    const Eigen::Matrix<double, 5, 1> step = -SolveSymmetric(equations.jtj, equations.jtr);
     if (!step.allFinite() || step.cwiseAbs().maxCoeff() > 0.5) break;
     pose = Moved(pose, tangents, step);
     if (step.cwiseAbs().maxCoeff() < 1e-10) break;

@@ -1,6 +1,6 @@
 #include "reconstruction/similarity/pca.h"
 
-#include <Eigen/Eigenvalues>
+#include "geometry/symmetric_eigen.h"
 
 namespace drupe {
 
@@ -9,8 +9,8 @@ Pca FitPca(const Eigen::MatrixXf& samples, int dimensions) {
   pca.mean = samples.rowwise().mean();
   const Eigen::MatrixXf centred = samples.colwise() - pca.mean;
   const Eigen::MatrixXf covariance = centred * centred.transpose() / static_cast<float>(samples.cols());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance.cast<double>());
-  pca.basis = solver.eigenvectors().rightCols(dimensions).rowwise().reverse().cast<float>();
+  const SymmetricEigen eigen = DecomposeSymmetric(covariance.cast<double>());
+  pca.basis = eigen.vectors.rightCols(dimensions).rowwise().reverse().cast<float>();
   return pca;
 }
 

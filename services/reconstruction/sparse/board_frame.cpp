@@ -1,10 +1,11 @@
 #include "reconstruction/sparse/board_frame.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/sim3.h"
+#include "geometry/solve_symmetric.h"
 #include "reconstruction/sparse/pose_estimation.h"
 
 namespace drupe {
@@ -77,9 +78,8 @@ double ScaleRelativeSigma(const SfmState& state, double board_sigma_px) {
     if (!state.poses[v]) continue;
     for (const BoardCorner& corner : state.board_corners[v]) AddCorner(*state.poses[v], corner, information);
   }
-  const Eigen::FullPivLU<Eigen::Matrix<double, 7, 7>> lu(information);
-  if (!lu.isInvertible()) return 0;
-  return board_sigma_px * std::sqrt(lu.inverse()(6, 6));
+  const Eigen::Matrix<double, 7, 1> by_scale = SolveSymmetric<7>(information, Eigen::Matrix<double, 7, 1>::Unit(6));
+  return board_sigma_px * std::sqrt(std::max(0.0, by_scale[6]));
 }
 
 BoardResidual MeasureBoardResidual(const SfmState& state) {

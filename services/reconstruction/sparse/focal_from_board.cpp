@@ -1,30 +1,23 @@
 #include "reconstruction/sparse/focal_from_board.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/homography_fit.h"
 
 namespace drupe {
 namespace {
 
-/// Least squares homography from the board's plane (in units of `board_scale` mm) to pixels from the principal point in
+/// The homography from the board's plane (in units of `board_scale` mm) to pixels from the principal point in
 /// units of `pixel_scale`, so that all numbers are about 1.
-Eigen::Matrix3d FitHomography(const std::vector<BoardCorner>& corners, const PinholeCamera& camera, double board_scale,
-                              double pixel_scale) {
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+Eigen::Matrix3d BoardHomography(const std::vector<BoardCorner>& corners, const PinholeCamera& camera,
+                                double board_scale, double pixel_scale) {
+  HomographyFit fit;
+  const Eigen::Vector2d principal(camera.cx, camera.cy);
   for (const BoardCorner& corner : corners) {
-    const Eigen::Vector3d from(corner.planned.x() / board_scale, corner.planned.y() / board_scale, 1);
-    const Eigen::Vector2d to = (corner.measured.pixel - Eigen::Vector2d(camera.cx, camera.cy)) / pixel_scale;
-    Eigen::Matrix<double, 2, 9> rows;
-    rows << from.transpose(), 0, 0, 0, -to.x() * from.transpose(), 0, 0, 0, from.transpose(),
-        -to.y() * from.transpose();
-    normal += rows.transpose() * rows;
+    fit.Add(corner.planned.head<2>() / board_scale, (corner.measured.pixel - principal) / pixel_scale);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(normal);
-  const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
-  Eigen::Matrix3d homography;
-  homography << h.head<3>().transpose(), h.segment<3>(3).transpose(), h.tail<3>().transpose();
-  return homography;
+  return fit.Solve();
 }
 
 }  // namespace
@@ -36,7 +29,7 @@ std::optional<double> FocalFromBoard(const SfmState& state, int min_corners) {
     if (static_cast<int>(corners.size()) < std::max(8, min_corners)) continue;
     double board_scale = 0;
     for (const BoardCorner& corner : corners) board_scale = std::max(board_scale, corner.planned.head<2>().norm());
-    const Eigen::Matrix3d h = FitHomography(corners, state.camera, board_scale, pixel_scale);
+    const Eigen::Matrix3d h = BoardHomography(corners, state.camera, board_scale, pixel_scale);
     const Eigen::Vector3d u = h.col(0), v = h.col(1);
     const double a[] = {u.head<2>().dot(v.head<2>()), u.head<2>().squaredNorm() - v.head<2>().squaredNorm()};
     const double b[] = {u.z() * v.z(), u.z() * u.z() - v.z() * v.z()};

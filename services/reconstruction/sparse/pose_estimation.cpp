@@ -1,12 +1,12 @@
 #include "reconstruction/sparse/pose_estimation.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "geometry/p3p.h"
+#include "geometry/solve_symmetric.h"
 #include "reconstruction/sparse/linearised_observation.h"
 #include "reconstruction/sparse/random_sample.h"
 
@@ -89,7 +89,7 @@ Rigid3 RefinePose(const Rigid3& cam_from_world, std::span<const PointCorresponde
   for (int iteration = 0; iteration < 30; ++iteration) {
     Matrix6d damped = system.hessian;
     damped.diagonal() *= 1 + damping;
-    const Vector6d step = -damped.ldlt().solve(system.gradient);
+    const Vector6d step = -SolveSymmetric(damped, system.gradient);
     if (!step.allFinite()) break;
     const Rigid3 candidate = ApplyStep(pose, step);
     PoseSystem next = BuildSystem(candidate, correspondences, use, loss2);
