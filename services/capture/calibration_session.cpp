@@ -7,7 +7,7 @@
 namespace drupe {
 namespace {
 
-const Migrations kMigrations = {"CREATE TABLE calibration_sessions (id TEXT PRIMARY KEY, document TEXT NOT NULL);"};
+const Migrations kSessionSchema = {"CREATE TABLE calibration_sessions (id TEXT PRIMARY KEY, document TEXT NOT NULL);"};
 
 constexpr double kPixelUnit = 0.01;  // corners are kept as whole numbers of this
 
@@ -118,7 +118,7 @@ Json ToJson(const CalibrationSession& session) {
 }
 
 Result<std::unique_ptr<SessionStore>> SessionStore::Open(Database& database) {
-  DRUPE_RETURN_IF_ERROR(database.Migrate("calibration_sessions", kMigrations));
+  DRUPE_RETURN_IF_ERROR(database.Migrate("calibration_sessions", kSessionSchema));
   return std::unique_ptr<SessionStore>(new SessionStore(database));
 }
 

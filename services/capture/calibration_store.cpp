@@ -6,7 +6,7 @@
 namespace drupe {
 namespace {
 
-const Migrations kMigrations = {
+const Migrations kCalibrationSchema = {
     "CREATE TABLE calibrations (id TEXT PRIMARY KEY, job TEXT NOT NULL, created_ms INTEGER NOT NULL,"
     " calibration TEXT NOT NULL, serial TEXT NOT NULL, lens TEXT NOT NULL, coverage_sha256 TEXT NOT NULL);"
     "CREATE INDEX calibrations_by_job ON calibrations (job);"};
@@ -18,7 +18,7 @@ std::string CalibrationId(const Json& calibration, const CameraBinding& binding)
 }
 
 Result<std::unique_ptr<CalibrationStore>> CalibrationStore::Open(Database& database) {
-  DRUPE_RETURN_IF_ERROR(database.Migrate("calibrations", kMigrations));
+  DRUPE_RETURN_IF_ERROR(database.Migrate("calibrations", kCalibrationSchema));
   return std::unique_ptr<CalibrationStore>(new CalibrationStore(database));
 }
 

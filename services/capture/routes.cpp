@@ -126,13 +126,13 @@ class CaptureRoutes {
   const CaptureContext context_;
 };
 
-using Method = Status (CaptureRoutes::*)(const Request&, Response&) const;
+using CaptureMethod = Status (CaptureRoutes::*)(const Request&, Response&) const;
 
 }  // namespace
 
 void AddCaptureRoutes(Router& router, const CaptureContext& context) {
   const auto routes = std::make_shared<CaptureRoutes>(context);
-  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, Method method) {
+  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, CaptureMethod method) {
     router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
       if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
     });

@@ -247,13 +247,13 @@ class ScanRoutes {
   const ScanContext context_;
 };
 
-using Method = Status (ScanRoutes::*)(const Request&, Response&) const;
+using ScanMethod = Status (ScanRoutes::*)(const Request&, Response&) const;
 
 }  // namespace
 
 void AddScanRoutes(Router& router, const ScanContext& context) {
   const auto routes = std::make_shared<ScanRoutes>(context);
-  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, Method method) {
+  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, ScanMethod method) {
     router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
       if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
     });

@@ -15,7 +15,7 @@
 namespace drupe {
 namespace {
 
-constexpr std::size_t kMinPictures = 3;
+constexpr std::size_t kMinSessionPictures = 3;
 constexpr SteadyCameraOptions kPatience{.patience = std::chrono::seconds(5)};
 
 class SessionRoutes {
@@ -52,7 +52,7 @@ class SessionRoutes {
 
   Status Finish(const Request& request, Response& response) {
     DRUPE_ASSIGN_OR_RETURN(const CalibrationSession session, context_.sessions.Get(request.Capture("id")));
-    if (session.pictures.size() < kMinPictures) {
+    if (session.pictures.size() < kMinSessionPictures) {
       return {StatusKind::kConflict, "too_few_images",
               "at least 3 pictures are needed, there are " + std::to_string(session.pictures.size())};
     }
@@ -99,13 +99,13 @@ class SessionRoutes {
   std::mutex mutex_;
 };
 
-using Method = Status (SessionRoutes::*)(const Request&, Response&);
+using SessionMethod = Status (SessionRoutes::*)(const Request&, Response&);
 
 }  // namespace
 
 void AddSessionRoutes(Router& router, const SessionContext& context) {
   const auto routes = std::make_shared<SessionRoutes>(context);
-  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, Method method) {
+  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, SessionMethod method) {
     router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
       if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
     });

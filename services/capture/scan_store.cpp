@@ -5,7 +5,7 @@
 namespace drupe {
 namespace {
 
-const Migrations kMigrations = {
+const Migrations kScanSchema = {
     "CREATE TABLE scans (id TEXT PRIMARY KEY, created_ms INTEGER NOT NULL, origin_deg REAL, counters TEXT NOT NULL,"
     " camera TEXT NOT NULL, captured INTEGER NOT NULL, ended INTEGER NOT NULL, image_set TEXT NOT NULL,"
     " job TEXT NOT NULL, hand_over_error TEXT NOT NULL, timings TEXT NOT NULL);"
@@ -43,7 +43,7 @@ void BindValue(Statement& statement, int value) {
 }  // namespace
 
 Result<std::unique_ptr<ScanStore>> ScanStore::Open(Database& database) {
-  DRUPE_RETURN_IF_ERROR(database.Migrate("scans", kMigrations));
+  DRUPE_RETURN_IF_ERROR(database.Migrate("scans", kScanSchema));
   return std::unique_ptr<ScanStore>(new ScanStore(database));
 }
 

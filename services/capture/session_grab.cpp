@@ -9,15 +9,15 @@
 namespace drupe {
 namespace {
 
-constexpr int kMaxPictures = 100;
-constexpr int kJpegQuality = 97, kPreviewQuality = 80, kPreviewWidth = 800;
+constexpr int kMaxSessionPictures = 100;
+constexpr int kJpegQuality = 97, kSessionPreviewQuality = 80, kSessionPreviewWidth = 800;
 constexpr std::size_t kMinCorners = 12;
 constexpr int kTries = 5;
-constexpr std::chrono::milliseconds kShotPatience{2'000};
+constexpr std::chrono::milliseconds kGrabPatience{2'000};
 
 Result<RawFrame> Shoot(SteadyCamera& camera) {
-  Result<RawFrame> frame = camera.Shoot(kShotPatience);
-  for (int i = 1; i < kTries && !frame.ok(); ++i) frame = camera.Shoot(kShotPatience);
+  Result<RawFrame> frame = camera.Shoot(kGrabPatience);
+  for (int i = 1; i < kTries && !frame.ok(); ++i) frame = camera.Shoot(kGrabPatience);
   return frame;
 }
 
@@ -46,9 +46,9 @@ void MarkCorners(const PatternCorners& corners, double scale, RgbImage& small) {
 }
 
 Result<std::string> PreviewOf(const RgbImage& image, const PatternCorners& corners) {
-  RgbImage small = ShrinkTo(image, kPreviewWidth);
+  RgbImage small = ShrinkTo(image, kSessionPreviewWidth);
   MarkCorners(corners, static_cast<double>(small.width()) / image.width(), small);
-  return EncodeJpeg(small, kPreviewQuality);
+  return EncodeJpeg(small, kSessionPreviewQuality);
 }
 
 /// Why the picture, whose pose the last of `poses` is, is not worth keeping; empty when it is.
@@ -70,7 +70,7 @@ Json ToJson(const Grab& grab) {
 }
 
 Result<Grab> TakeSessionPicture(CalibrationSession& session, ObjectStore& objects, const SteadyCameraOptions& steady) {
-  if (session.pictures.size() >= kMaxPictures) {
+  if (session.pictures.size() >= kMaxSessionPictures) {
     return Status(StatusKind::kConflict, "session_full", "the session has 100 pictures; finish it");
   }
   SteadyCamera camera(session.camera_id, session.camera, steady, [] { return false; });

@@ -21,7 +21,7 @@ using Names = std::vector<std::string>;
 constexpr std::size_t kMaxReportBytes = 64 << 20;  // thousands of defects with their contours
 
 /// What the user wrote after `drupe classifier train`.
-struct TrainArguments {
+struct ClassifierArguments {
   Names reports;
   std::string labels;
   ClassTrainOptions options;
@@ -31,7 +31,7 @@ struct TrainArguments {
 using Labels = std::vector<DefectLabel>;
 
 /// The labels of a table, which must say of which report each is when there are several.
-Result<std::optional<Labels>> LoadLabels(const TrainArguments& arguments) {
+Result<std::optional<Labels>> LoadLabels(const ClassifierArguments& arguments) {
   if (arguments.labels.empty()) return std::optional<Labels>();
   DRUPE_ASSIGN_OR_RETURN(const std::string text, ReadFile(arguments.labels));
   DRUPE_ASSIGN_OR_RETURN(Labels labels, ParseDefectLabels(text));
@@ -89,7 +89,7 @@ void PrintModel(const ClassModel& model) {
   PrintConfusion("Each report by a model of the others", model, model.left_out);
 }
 
-Status Train(const TrainArguments& arguments) {
+Status Train(const ClassifierArguments& arguments) {
   DRUPE_ASSIGN_OR_RETURN(const std::optional<Labels> labels, LoadLabels(arguments));
   std::vector<std::vector<LabelledDefect>> reports;
   for (const std::string& file : arguments.reports) {
@@ -104,15 +104,15 @@ Status Train(const TrainArguments& arguments) {
   return Status::Ok();
 }
 
-Status Show(const std::string& file) {
+Status ShowClassifier(const std::string& file) {
   DRUPE_ASSIGN_OR_RETURN(const std::optional<ClassModel> model, LoadClassModelArgument(file));
   if (!model) return InvalidArgument("invalid_model", "name a model file", "FILE");
   PrintModel(*model);
   return Status::Ok();
 }
 
-void AddTrainCommand(CLI::App& classifier, int& exit_code) {
-  auto arguments = std::make_shared<TrainArguments>();
+void AddTrainClassifierCommand(CLI::App& classifier, int& exit_code) {
+  auto arguments = std::make_shared<ClassifierArguments>();
   CLI::App* command = classifier.add_subcommand(
       "train",
       "Train a classifier of defects from reports in which a person has corrected the classes.\n"
@@ -142,11 +142,11 @@ void AddClassifierCommand(CLI::App& app, int& exit_code) {
   CLI::App* classifier =
       app.add_subcommand("classifier", "Train and show models that tell the classes of defects apart");
   classifier->require_subcommand(1);
-  AddTrainCommand(*classifier, exit_code);
+  AddTrainClassifierCommand(*classifier, exit_code);
   auto file = std::make_shared<std::string>();
   CLI::App* show = classifier->add_subcommand("show", "Print a model's weights and its confusion tables");
   show->add_option("FILE", *file, "A model file")->required();
-  show->callback([file, &exit_code] { exit_code = CommandExitCode("drupe classifier show", Show(*file)); });
+  show->callback([file, &exit_code] { exit_code = CommandExitCode("drupe classifier show", ShowClassifier(*file)); });
 }
 
 }  // namespace drupe

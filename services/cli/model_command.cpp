@@ -19,7 +19,7 @@ namespace {
 using Names = std::vector<std::string>;
 
 /// What the user wrote after `drupe model train`.
-struct TrainArguments {
+struct ModelArguments {
   Names clouds, labels, images, masks, test_clouds, test_labels;
   std::string options;
   std::string out;
@@ -61,7 +61,7 @@ void PrintModel(const ColourModel& model) {
   std::fputs(FormatTextTable(heading, {row("training", model.training), row("test", model.test)}).c_str(), stdout);
 }
 
-Status Train(const TrainArguments& arguments) {
+Status Train(const ModelArguments& arguments) {
   DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJsonArgument(arguments.options));
   DRUPE_ASSIGN_OR_RETURN(const TrainOptions options, ParseTrainOptions(json));
   DRUPE_ASSIGN_OR_RETURN(LabelledColours training, LoadClouds(arguments.clouds, arguments.labels));
@@ -76,14 +76,14 @@ Status Train(const TrainArguments& arguments) {
   return Status::Ok();
 }
 
-Status Show(const std::string& file) {
+Status ShowModel(const std::string& file) {
   DRUPE_ASSIGN_OR_RETURN(const ColourModel model, LoadModelArgument(file));
   PrintModel(model);
   return Status::Ok();
 }
 
-void AddTrainCommand(CLI::App& model, int& exit_code) {
-  auto arguments = std::make_shared<TrainArguments>();
+void AddTrainModelCommand(CLI::App& model, int& exit_code) {
+  auto arguments = std::make_shared<ModelArguments>();
   CLI::App* command = model.add_subcommand(
       "train",
       "Train a model that tells fruit from background by colour, from labelled clouds, or from pictures and masks.\n"
@@ -109,11 +109,11 @@ void AddTrainCommand(CLI::App& model, int& exit_code) {
 void AddModelCommand(CLI::App& app, int& exit_code) {
   CLI::App* model = app.add_subcommand("model", "Train and show models of the background's colours");
   model->require_subcommand(1);
-  AddTrainCommand(*model, exit_code);
+  AddTrainModelCommand(*model, exit_code);
   auto file = std::make_shared<std::string>();
   CLI::App* show = model->add_subcommand("show", "Print a model's size and its confusion tables");
   show->add_option("FILE", *file, "A model file, or 'default' for the one built in")->required();
-  show->callback([file, &exit_code] { exit_code = CommandExitCode("drupe model show", Show(*file)); });
+  show->callback([file, &exit_code] { exit_code = CommandExitCode("drupe model show", ShowModel(*file)); });
 }
 
 }  // namespace drupe

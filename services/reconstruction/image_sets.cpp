@@ -9,7 +9,7 @@ namespace drupe {
 
 namespace {
 
-const Migrations kSchema = {
+const Migrations kImageSetSchema = {
     "CREATE TABLE image_sets (id TEXT PRIMARY KEY, created_ms INTEGER NOT NULL) WITHOUT ROWID;"
     "CREATE TABLE image_set_images (set_id TEXT NOT NULL REFERENCES image_sets(id), name TEXT NOT NULL,"
     " sha256 TEXT NOT NULL, bytes INTEGER NOT NULL, width INTEGER NOT NULL, height INTEGER NOT NULL,"
@@ -32,7 +32,7 @@ std::string ContentId(const std::vector<StoredImage>& images) {
 
 Result<std::unique_ptr<ImageSetStore>> ImageSetStore::Open(Database& database, const Limits& limits,
                                                            const Clock& clock) {
-  DRUPE_RETURN_IF_ERROR(database.Migrate("image_sets", kSchema));
+  DRUPE_RETURN_IF_ERROR(database.Migrate("image_sets", kImageSetSchema));
   return std::unique_ptr<ImageSetStore>(new ImageSetStore(database, limits, clock));
 }
 

@@ -10,7 +10,7 @@
 namespace drupe {
 namespace {
 
-const Migrations kSchema = {
+const Migrations kDerivedSchema = {
     "CREATE TABLE derived (key TEXT PRIMARY KEY, sha256 TEXT NOT NULL, bytes INTEGER NOT NULL,"
     " used_ms INTEGER NOT NULL)"};
 
@@ -56,7 +56,7 @@ class ObjectDerivedCache::Turn {
 
 Result<std::unique_ptr<ObjectDerivedCache>> ObjectDerivedCache::Open(Database& database, ObjectStore& objects,
                                                                      std::int64_t max_bytes) {
-  DRUPE_RETURN_IF_ERROR(database.Migrate("derived", kSchema));
+  DRUPE_RETURN_IF_ERROR(database.Migrate("derived", kDerivedSchema));
   return std::unique_ptr<ObjectDerivedCache>(new ObjectDerivedCache(database, objects, max_bytes));
 }
 

@@ -11,10 +11,10 @@ set(DRUPE_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread
 
 # One binary runs on any x86-64 or arm64, so nothing here names a CPU: vector code chooses its instructions at run
 # time through Highway. -march=native would also change Eigen's alignment against Debian's Ceres and PCL.
-# Position-independent executables of static libraries: the same for every source, so that precompiled headers fit all.
+add_compile_options(-Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+# Programs are position-independent, and no library here is shared.
 add_compile_options(-fPIE)
 add_link_options($<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-pie>)
-add_compile_options(-Wall -Wextra -Wshadow -Wnon-virtual-dtor)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   add_compile_options(-Wno-restrict)  # GCC 12 warns of "text" + std::to_string(n), wrongly (GCC bug 105651)
 endif()
@@ -31,6 +31,5 @@ set(drupe_test_options $<$<CONFIG:Release>:-O1>)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # ccache takes a source that uses a precompiled header only when it may look at the header's content alone.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()

@@ -1,7 +1,7 @@
 # One target a folder, with explicit links.
 #
 #   drupe_library(drupe_store SOURCES a.cpp b.cpp PUBLIC drupe_base PRIVATE OpenSSL::Crypto)
-#   drupe_program(drupe HEADERS drupe_cli_headers ...)        another set of precompiled headers (DrupeHeaders.cmake)
+#   drupe_library(drupe_dense ALONE blur.cpp SOURCES ...)      ALONE: those that read themselves once per instruction set
 #   drupe_program(drupe-capture SOURCES main.cpp PRIVATE drupe_http)
 #   drupe_test(drupe_store_test SOURCES a_test.cpp PRIVATE drupe_store)
 #   drupe_test(drupe_camera_test SOURCES ... LOCK cameras)    tests with the same lock never run at the same time
@@ -9,21 +9,31 @@
 #
 # Includes are written from the top of shared/ or services/: #include "base/status.h", "reconstruction/dense/patch.h".
 
+# Sources of a target are compiled six at a time, as one: half of a cold build went into reading the same headers and
+# compiling the same templates again and again. Names in unnamed namespaces must therefore differ within a target. The
+# preset dev compiles each alone, and so finds a forgotten #include.
+option(DRUPE_UNITY "Compile the sources of a target six at a time" ON)
+
+function(drupe_join_sources name)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${DRUPE_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 function(drupe_library name)
-  cmake_parse_arguments(ARG "" "HEADERS" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
-  add_library(${name} STATIC ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "" "" "ALONE;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_ALONE} ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  drupe_use_headers(${name} "${ARG_HEADERS}")
+  drupe_join_sources(${name} ${ARG_ALONE})
 endfunction()
 
 function(drupe_program name)
-  cmake_parse_arguments(ARG "" "HEADERS" "SOURCES;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;PRIVATE" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
-  drupe_use_headers(${name} "${ARG_HEADERS}")
+  drupe_join_sources(${name})
 endfunction()
 
 function(drupe_test name)
@@ -39,7 +49,7 @@ function(drupe_test name)
   target_compile_options(${name} PRIVATE ${drupe_test_options})
   target_compile_definitions(${name} PRIVATE DRUPE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data")
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} GTest::gtest_main)
-  drupe_use_headers(${name} drupe_test_headers)
+  drupe_join_sources(${name})
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES ${properties})

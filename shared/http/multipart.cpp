@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kReadBytes = 64 << 10;
 
-Status Malformed(std::string_view why) {
+Status MalformedMultipart(std::string_view why) {
   return InvalidArgument("invalid_multipart", "the multipart body is malformed: " + std::string(why));
 }
 
@@ -64,7 +64,7 @@ Result<PartHead> ParsePartHead(std::string_view text, const MultipartLimits& lim
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 2, text.size()));
     const std::size_t colon = line.find(':');
-    if (colon == std::string_view::npos) return Malformed("a part has a header line without a colon");
+    if (colon == std::string_view::npos) return MalformedMultipart("a part has a header line without a colon");
     const std::string name = Lower(Trim(line.substr(0, colon)));
     const std::string_view value = Trim(line.substr(colon + 1));
     if (name == "content-type") head.content_type = value;
@@ -73,9 +73,9 @@ Result<PartHead> ParsePartHead(std::string_view text, const MultipartLimits& lim
     head.name = Parameter(value, "name").value_or("");
     head.filename = Parameter(value, "filename").value_or("");
   }
-  if (!is_form_data || head.name.empty()) return Malformed("a part has no name");
+  if (!is_form_data || head.name.empty()) return MalformedMultipart("a part has no name");
   if (head.name.size() > limits.max_name_bytes || head.filename.size() > limits.max_name_bytes) {
-    return Malformed("a part's name is longer than " + std::to_string(limits.max_name_bytes) + " bytes");
+    return MalformedMultipart("a part's name is longer than " + std::to_string(limits.max_name_bytes) + " bytes");
   }
   return head;
 }
@@ -99,8 +99,8 @@ Status MultipartParser::Feed(std::string_view bytes) {
 }
 
 Status MultipartParser::Finish() const {
-  if (state_ != State::kEpilogue) return Malformed("the closing boundary is missing");
-  return parts_ > 0 ? Status::Ok() : Malformed("it has no parts");
+  if (state_ != State::kEpilogue) return MalformedMultipart("the closing boundary is missing");
+  return parts_ > 0 ? Status::Ok() : MalformedMultipart("it has no parts");
 }
 
 Status MultipartParser::Step(bool& progressed) {
@@ -142,10 +142,10 @@ Status MultipartParser::EndBoundaryLine(bool& progressed) {
     return Status::Ok();
   }
   const std::size_t text = std::min(pending_.find_first_not_of(" \t"), pending_.size());
-  if (text > kMaxPadding) return Malformed("blanks follow a boundary");
+  if (text > kMaxPadding) return MalformedMultipart("blanks follow a boundary");
   const std::string_view rest = std::string_view(pending_).substr(text);
   if (rest.empty() || (rest.size() == 1 && (rest == "\r" || (rest == "-" && text == 0)))) return Status::Ok();
-  if (!rest.starts_with("\r\n")) return Malformed("a boundary is followed by other text");
+  if (!rest.starts_with("\r\n")) return MalformedMultipart("a boundary is followed by other text");
   if (++parts_ > limits_.max_parts) {
     return Status(StatusKind::kTooLarge, "too_many_parts",
                   "the body has more than " + std::to_string(limits_.max_parts) + " parts");
@@ -159,7 +159,8 @@ Status MultipartParser::EndBoundaryLine(bool& progressed) {
 Status MultipartParser::TakeHeaders(bool& progressed) {
   const std::size_t end = pending_.find("\r\n\r\n");
   if (std::min(end, pending_.size()) > limits_.max_part_header_bytes) {
-    return Malformed("a part's headers are longer than " + std::to_string(limits_.max_part_header_bytes) + " bytes");
+    return MalformedMultipart("a part's headers are longer than " + std::to_string(limits_.max_part_header_bytes) +
+                              " bytes");
   }
   if (end == std::string::npos) return Status::Ok();
   const std::string_view text = end == 0 ? std::string_view() : std::string_view(pending_).substr(2, end - 2);

@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cctype>
 #include <charconv>
+
+#include "http/text.h"
 
 namespace drupe {
 
 namespace {
-
-char Lower(char c) {
-  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-}
 
 bool EqualFolded(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return Lower(x) == Lower(y); });

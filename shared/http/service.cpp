@@ -31,7 +31,7 @@ sigset_t DrainSignals() {
   return signals;
 }
 
-constexpr std::size_t kMaxTokenBytes = 4096;
+constexpr std::size_t kMaxTokenFileBytes = 4096;
 
 bool IsLoopback(const std::string& host) {
   return host.starts_with("127.") || host == "::1" || host == "localhost";
@@ -104,7 +104,7 @@ Status Service::Impl::ReadOptions(int argc, char** argv) {
 
 Status Service::Impl::SetUpAccess() {
   if (!options_.service_token.empty()) {
-    DRUPE_ASSIGN_OR_RETURN(std::string token, ReadFile(options_.service_token, kMaxTokenBytes));
+    DRUPE_ASSIGN_OR_RETURN(std::string token, ReadFile(options_.service_token, kMaxTokenFileBytes));
     while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back()))) token.pop_back();
     Client::SetToken(std::move(token));
   }

@@ -15,9 +15,13 @@ inline std::string_view Trim(std::string_view text) {
 }
 
 /// In lower case as ASCII has it: names of fields and tokens are compared so.
+inline char Lower(char c) {
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
+
 inline std::string Lower(std::string_view text) {
   std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (char& c : lower) c = Lower(c);
   return lower;
 }
 

@@ -7,7 +7,7 @@
 namespace drupe {
 namespace {
 
-std::string FieldOfError(const Json& json) {
+std::string BoardErrorField(const Json& json) {
   const auto board = ParseBoard(json);
   if (board.ok()) return "ok";
   EXPECT_EQ(board.status().code(), "invalid_board");
@@ -39,42 +39,42 @@ TEST(BoardTest, SurvivesJson) {
 
 TEST(BoardTest, NamesWhatIsWrong) {
   const Json good = ToJson(MakeGridBoard(2, 2));
-  EXPECT_EQ(FieldOfError(good), "ok");
-  EXPECT_EQ(FieldOfError(Json::array()), "board");
+  EXPECT_EQ(BoardErrorField(good), "ok");
+  EXPECT_EQ(BoardErrorField(Json::array()), "board");
 
   Json json = good;
   json["dictionary"] = "DICT_9X9";
-  EXPECT_EQ(FieldOfError(json), "dictionary");
+  EXPECT_EQ(BoardErrorField(json), "dictionary");
   json["dictionary"] = 3;
-  EXPECT_EQ(FieldOfError(json), "dictionary");
+  EXPECT_EQ(BoardErrorField(json), "dictionary");
 
   for (const char* id : {"250", "-1", "01", "x", "", "99999999999"}) {
     json = good;
     json["corners_mm"][id] = good["corners_mm"]["0"];
-    EXPECT_EQ(FieldOfError(json), std::string("corners_mm.") + id);
+    EXPECT_EQ(BoardErrorField(json), std::string("corners_mm.") + id);
   }
 
   json = good;
   json["corners_mm"]["1"].erase(3);
-  EXPECT_EQ(FieldOfError(json), "corners_mm.1");
+  EXPECT_EQ(BoardErrorField(json), "corners_mm.1");
   json = good;
   json["corners_mm"]["1"][2] = {1, 2};
-  EXPECT_EQ(FieldOfError(json), "corners_mm.1");
+  EXPECT_EQ(BoardErrorField(json), "corners_mm.1");
   json["corners_mm"]["1"][2] = {1e300, 2, 0};
-  EXPECT_EQ(FieldOfError(json), "corners_mm.1");
+  EXPECT_EQ(BoardErrorField(json), "corners_mm.1");
   json = good;
   json["corners_mm"]["1"][0][2] = 0.5;
-  EXPECT_EQ(FieldOfError(json), "corners_mm.1");
+  EXPECT_EQ(BoardErrorField(json), "corners_mm.1");
 }
 
 TEST(BoardTest, RefusesMirroredMarkersAndTooMany) {
   Json json = ToJson(MakeGridBoard(2, 2));
   std::swap(json["corners_mm"]["0"][0], json["corners_mm"]["0"][1]);
   std::swap(json["corners_mm"]["0"][2], json["corners_mm"]["0"][3]);
-  EXPECT_EQ(FieldOfError(json), "corners_mm.0");
-  EXPECT_EQ(FieldOfError(ToJson(MakeGridBoard(40, 26, 8, 12, "DICT_ARUCO_ORIGINAL"))), "corners_mm");
+  EXPECT_EQ(BoardErrorField(json), "corners_mm.0");
+  EXPECT_EQ(BoardErrorField(ToJson(MakeGridBoard(40, 26, 8, 12, "DICT_ARUCO_ORIGINAL"))), "corners_mm");
   json["corners_mm"] = Json::object();
-  EXPECT_EQ(FieldOfError(json), "corners_mm");
+  EXPECT_EQ(BoardErrorField(json), "corners_mm");
 }
 
 }  // namespace

@@ -11,14 +11,8 @@
 namespace drupe {
 namespace {
 
-Status Invalid(std::string message, std::string field) {
+Status InvalidCalibration(std::string message, std::string field) {
   return InvalidArgument("invalid_calibration", std::move(message), std::move(field));
-}
-
-std::optional<double> FiniteNumber(const Json& json) {
-  if (!json.is_number()) return std::nullopt;
-  const double value = json.get<double>();
-  return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 Result<int> ReadSide(const Json& json, const char* field) {
@@ -26,38 +20,27 @@ Result<int> ReadSide(const Json& json, const char* field) {
   const int limit = Limits{}.max_image_side_px;
   const auto number = value == json.end() ? std::nullopt : FiniteNumber(*value);
   if (!number || *number < 1 || *number > limit || *number != std::floor(*number)) {
-    return Invalid("must be a whole number of pixels from 1 to " + std::to_string(limit), field);
+    return InvalidCalibration("must be a whole number of pixels from 1 to " + std::to_string(limit), field);
   }
   return static_cast<int>(*number);
-}
-
-/// Reads exactly out.size() finite numbers.
-bool ReadNumbers(const Json& json, std::span<double> out) {
-  if (!json.is_array() || json.size() != out.size()) return false;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const auto number = FiniteNumber(json[i]);
-    if (!number) return false;
-    out[i] = *number;
-  }
-  return true;
 }
 
 Status ReadK(const Json& json, PinholeCamera& camera) {
   const auto rows = json.find("K");
   double k[3][3];
-  if (rows == json.end() || !rows->is_array() || rows->size() != 3) return Invalid("must have 3 rows", "K");
+  if (rows == json.end() || !rows->is_array() || rows->size() != 3) return InvalidCalibration("must have 3 rows", "K");
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!ReadNumbers((*rows)[i], k[i])) return Invalid("each row must have 3 finite numbers", "K");
+    if (!ReadNumbers((*rows)[i], k[i])) return InvalidCalibration("each row must have 3 finite numbers", "K");
   }
   if (k[0][1] != 0 || k[1][0] != 0 || k[2][0] != 0 || k[2][1] != 0 || k[2][2] != 1) {
-    return Invalid("must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]", "K");
+    return InvalidCalibration("must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]", "K");
   }
   const double longest = std::max(camera.width, camera.height);
   if (!(k[0][0] >= 0.1 * longest && k[1][1] >= 0.1 * longest && std::max(k[0][0], k[1][1]) <= 1000 * longest)) {
-    return Invalid("the focal lengths must be 0.1 to 1000 times the picture's longer side", "K");
+    return InvalidCalibration("the focal lengths must be 0.1 to 1000 times the picture's longer side", "K");
   }
   if (!(k[0][2] >= 0 && k[0][2] <= camera.width && k[1][2] >= 0 && k[1][2] <= camera.height)) {
-    return Invalid("the principal point lies outside the picture", "K");
+    return InvalidCalibration("the principal point lies outside the picture", "K");
   }
   camera.fx = k[0][0], camera.fy = k[1][1], camera.cx = k[0][2], camera.cy = k[1][2];
   return Status::Ok();
@@ -87,15 +70,16 @@ bool IsInvertible(const PinholeCamera& camera) {
 Status ReadDistortion(const Json& json, PinholeCamera& camera) {
   const auto dist = json.find("dist");
   if (dist == json.end()) return Status::Ok();
-  if (!ReadNumbers(*dist, camera.dist)) return Invalid("must be 5 finite numbers: k1, k2, p1, p2, k3", "dist");
-  if (!IsInvertible(camera)) return Invalid("the distortion folds the picture over itself", "dist");
+  if (!ReadNumbers(*dist, camera.dist))
+    return InvalidCalibration("must be 5 finite numbers: k1, k2, p1, p2, k3", "dist");
+  if (!IsInvertible(camera)) return InvalidCalibration("the distortion folds the picture over itself", "dist");
   return Status::Ok();
 }
 
 }  // namespace
 
 Result<Calibration> ParseCalibration(const Json& json) {
-  if (!json.is_object()) return Invalid("the calibration must be a JSON object", "calibration");
+  if (!json.is_object()) return InvalidCalibration("the calibration must be a JSON object", "calibration");
   Calibration calibration;
   DRUPE_ASSIGN_OR_RETURN(calibration.camera.width, ReadSide(json, "width"));
   DRUPE_ASSIGN_OR_RETURN(calibration.camera.height, ReadSide(json, "height"));
@@ -103,7 +87,7 @@ Result<Calibration> ParseCalibration(const Json& json) {
   DRUPE_RETURN_IF_ERROR(ReadDistortion(json, calibration.camera));
   if (const auto rms = json.find("rms_px"); rms != json.end()) {
     const auto number = FiniteNumber(*rms);
-    if (!number || *number < 0) return Invalid("must be a number of at least 0", "rms_px");
+    if (!number || *number < 0) return InvalidCalibration("must be a number of at least 0", "rms_px");
     calibration.rms_px = *number;
   }
   return calibration;

@@ -39,21 +39,11 @@ Json ViewJson(const View& view) {
   return json;
 }
 
-Status Invalid(std::string message, std::string field) {
+Status InvalidCameras(std::string message, std::string field) {
   return InvalidArgument("invalid_cameras", std::move(message), std::move(field));
 }
 
 /// Reads exactly `count` finite numbers.
-bool ReadNumbers(const Json& json, double* out, std::size_t count) {
-  if (!json.is_array() || json.size() != count) return false;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!json[i].is_number()) return false;
-    out[i] = json[i].get<double>();
-    if (!std::isfinite(out[i])) return false;
-  }
-  return true;
-}
-
 void ReadIfNumber(const Json& json, const char* key, double& value) {
   if (json.contains(key) && json[key].is_number()) value = json[key].get<double>();
 }
@@ -62,7 +52,7 @@ bool ReadRotation(const Json& json, Eigen::Matrix3d& rotation) {
   if (!json.is_array() || json.size() != 3) return false;
   for (int i = 0; i < 3; ++i) {
     double row[3];
-    if (!ReadNumbers(json[static_cast<std::size_t>(i)], row, 3)) return false;
+    if (!ReadNumbers(json[static_cast<std::size_t>(i)], row)) return false;
     rotation.row(i) = Eigen::RowVector3d(row[0], row[1], row[2]);
   }
   const bool is_orthonormal = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6;
@@ -71,16 +61,17 @@ bool ReadRotation(const Json& json, Eigen::Matrix3d& rotation) {
 
 Result<View> ParseView(const Json& json, const std::string& field) {
   if (!json.is_object() || !json.contains("image") || !json["image"].is_string()) {
-    return Invalid("must have the image's name", field + ".image");
+    return InvalidCameras("must have the image's name", field + ".image");
   }
   View view;
   view.image = json["image"].get<std::string>();
   view.reason = json.contains("reason") && json["reason"].is_string() ? json["reason"].get<std::string>() : "";
   if (!json.contains("R") || json["R"].is_null()) return view;
   Rigid3 pose;
-  if (!ReadRotation(json["R"], pose.rotation)) return Invalid("must be a 3x3 rotation", field + ".R");
+  if (!ReadRotation(json["R"], pose.rotation)) return InvalidCameras("must be a 3x3 rotation", field + ".R");
   double t[3];
-  if (!json.contains("t") || !ReadNumbers(json["t"], t, 3)) return Invalid("must have 3 finite numbers", field + ".t");
+  if (!json.contains("t") || !ReadNumbers(json["t"], t))
+    return InvalidCameras("must have 3 finite numbers", field + ".t");
   pose.translation = Eigen::Vector3d(t[0], t[1], t[2]);
   view.cam_from_world = pose;
   ReadIfNumber(json, "mean_reprojection_error_px", view.mean_reprojection_error_px);
@@ -92,7 +83,7 @@ Result<View> ParseView(const Json& json, const std::string& field) {
 Status ReadSources(const Json& json, SparseModel& model) {
   const auto scale = json.find("scale_source");
   if (scale == json.end() || (*scale != "board" && *scale != "none")) {
-    return Invalid("must be \"board\" or \"none\"", "scale_source");
+    return InvalidCameras("must be \"board\" or \"none\"", "scale_source");
   }
   model.scale_source = *scale == "board" ? ScaleSource::kBoard : ScaleSource::kNone;
   const auto intrinsics = json.find("intrinsics_source");
@@ -102,7 +93,7 @@ Status ReadSources(const Json& json, SparseModel& model) {
     model.intrinsics_source = static_cast<IntrinsicsSource>(i);
     return Status::Ok();
   }
-  return Invalid("must be \"given\", \"exif\" or \"estimated\"", "intrinsics_source");
+  return InvalidCameras("must be \"given\", \"exif\" or \"estimated\"", "intrinsics_source");
 }
 
 }  // namespace
@@ -130,17 +121,17 @@ Json CamerasJson(const SparseModel& model) {
 }
 
 Result<SparseModel> ParseCameras(const Json& json) {
-  if (!json.is_object()) return Invalid("must be an object", "");
+  if (!json.is_object()) return InvalidCameras("must be an object", "");
   SparseModel model;
   DRUPE_RETURN_IF_ERROR(ReadSources(json, model));
   const auto calibration = json.find("calibration");
-  if (calibration == json.end()) return Invalid("must be a calibration", "calibration");
+  if (calibration == json.end()) return InvalidCameras("must be a calibration", "calibration");
   DRUPE_ASSIGN_OR_RETURN(const Calibration read, ParseCalibration(*calibration));
   model.camera = read.camera;
   const auto cameras = json.find("cameras");
   const std::size_t limit = static_cast<std::size_t>(Limits{}.max_images);
   if (cameras == json.end() || !cameras->is_array() || cameras->size() > limit) {
-    return Invalid("must be a list of at most " + std::to_string(limit) + " cameras", "cameras");
+    return InvalidCameras("must be a list of at most " + std::to_string(limit) + " cameras", "cameras");
   }
   for (std::size_t i = 0; i < cameras->size(); ++i) {
     DRUPE_ASSIGN_OR_RETURN(View view, ParseView((*cameras)[i], "cameras." + std::to_string(i)));

@@ -13,11 +13,11 @@ using model_file::Invalid;
 using model_file::ReadName;
 using model_file::ReadNumber;
 
-constexpr const char* kFormat = "drupe-class-model";
+constexpr const char* kClassModelFormat = "drupe-class-model";
 constexpr double kLeast = 1e-6;     // of what a logarithm is taken of
 constexpr double kMaxNumber = 1e4;  // of a mean, a scale, a weight
 constexpr double kLeastScale = 1e-4;
-constexpr double kMaxCount = 1e9;
+constexpr double kMaxDefects = 1e9;
 constexpr DefectClass kClasses[] = {DefectClass::kRainSpot, DefectClass::kScar, DefectClass::kCrack,
                                     DefectClass::kDecay};
 
@@ -74,7 +74,7 @@ Result<ClassConfusion> ReadConfusion(const Json& json, std::size_t classes, cons
     if (!counts.is_array() || counts.size() != classes) return Invalid(field, wanted);
     for (Eigen::Index column = 0; column < size; ++column) {
       DRUPE_ASSIGN_OR_RETURN(const double count,
-                             ReadNumber(counts[static_cast<std::size_t>(column)], field, 0, kMaxCount));
+                             ReadNumber(counts[static_cast<std::size_t>(column)], field, 0, kMaxDefects));
       table(row, column) = static_cast<std::int64_t>(count);
     }
   }
@@ -82,9 +82,9 @@ Result<ClassConfusion> ReadConfusion(const Json& json, std::size_t classes, cons
 }
 
 Status ReadHead(const Json& json, ClassModel& model) {
-  DRUPE_ASSIGN_OR_RETURN(model.name, ReadName(json, kFormat, ClassModel::kVersion));
+  DRUPE_ASSIGN_OR_RETURN(model.name, ReadName(json, kClassModelFormat, ClassModel::kVersion));
   DRUPE_ASSIGN_OR_RETURN(model.ridge, ReadNumber(At(json, "ridge"), "ridge", 0, kMaxNumber));
-  DRUPE_ASSIGN_OR_RETURN(const double reports, ReadNumber(At(json, "reports"), "reports", 0, kMaxCount));
+  DRUPE_ASSIGN_OR_RETURN(const double reports, ReadNumber(At(json, "reports"), "reports", 0, kMaxDefects));
   model.reports = static_cast<std::int64_t>(reports);
   return Status::Ok();
 }
@@ -146,7 +146,7 @@ Json ToJson(const ClassModel& model) {
   for (int k = 0; k < kClassFeatures; ++k) {
     features.push_back({{"name", kClassFeatureNames[k]}, {"mean", model.mean[k]}, {"scale", model.scale[k]}});
   }
-  return {{"format", kFormat},
+  return {{"format", kClassModelFormat},
           {"version", ClassModel::kVersion},
           {"name", model.name},
           {"ridge", model.ridge},

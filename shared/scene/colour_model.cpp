@@ -12,7 +12,7 @@ using model_file::Invalid;
 using model_file::ReadName;
 using model_file::ReadNumber;
 
-constexpr const char* kFormat = "drupe-colour-model";
+constexpr const char* kColourModelFormat = "drupe-colour-model";
 constexpr double kMaxPlace = 1e4;   // of a normalised colour or a normalisation
 constexpr double kMaxWeight = 1e6;  // of a support vector or the bias
 constexpr double kMaxGamma = 1e4;
@@ -57,7 +57,7 @@ Result<ConfusionTable> ReadConfusion(const Json& json, const std::string& field)
 }
 
 Status ReadHead(const Json& json, ColourModel& model) {
-  DRUPE_ASSIGN_OR_RETURN(model.name, ReadName(json, kFormat, ColourModel::kVersion));
+  DRUPE_ASSIGN_OR_RETURN(model.name, ReadName(json, kColourModelFormat, ColourModel::kVersion));
   if (At(json, "kernel") != "rbf") return Invalid("kernel", "must be rbf");
   const Json& space = At(json, "colour_space");
   if (space != "lab" && space != "rgb") return Invalid("colour_space", "must be lab or rgb");
@@ -130,7 +130,7 @@ Json ToJson(const ColourModel& model) {
     const Eigen::Vector3f& vector = model.vectors[i];
     rows.push_back({vector[0], vector[1], vector[2], model.weights[i]});
   }
-  return {{"format", kFormat},
+  return {{"format", kColourModelFormat},
           {"version", ColourModel::kVersion},
           {"name", model.name},
           {"colour_space", ColourSpaceName(model.space)},

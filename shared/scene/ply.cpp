@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/ply_values.h"
+
 namespace drupe {
 
 namespace {
@@ -239,12 +241,6 @@ Result<Header> ReadHeader(std::string_view bytes, const PlyLimits& limits) {
   return header;
 }
 
-/// Raw bytes of `value` at the end of `out`.
-template <typename T>
-void Put(const T* values, std::size_t count, std::string* out) {
-  out->append(reinterpret_cast<const char*>(values), count * sizeof(T));
-}
-
 std::string HeaderOf(const PointCloud& cloud) {
   std::string header = "ply\nformat binary_little_endian 1.0\ncomment drupe dense cloud\nelement vertex " +
                        std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
@@ -265,13 +261,13 @@ std::string WritePly(const PointCloud& cloud) {
   std::string out = HeaderOf(cloud);
   out.reserve(out.size() + kLargestVertex * cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    Put(cloud.positions[i].data(), 3, &out);
-    if (!cloud.normals.empty()) Put(cloud.normals[i].data(), 3, &out);
-    if (!cloud.colours.empty()) Put(cloud.colours[i].data(), 3, &out);
-    if (!cloud.raw_colours.empty()) Put(cloud.raw_colours[i].data(), 3, &out);
-    if (!cloud.view_counts.empty()) Put(&cloud.view_counts[i], 1, &out);
-    if (!cloud.ncc.empty()) Put(&cloud.ncc[i], 1, &out);
-    if (!cloud.expected_error.empty()) Put(&cloud.expected_error[i], 1, &out);
+    PutValues(cloud.positions[i].data(), 3, &out);
+    if (!cloud.normals.empty()) PutValues(cloud.normals[i].data(), 3, &out);
+    if (!cloud.colours.empty()) PutValues(cloud.colours[i].data(), 3, &out);
+    if (!cloud.raw_colours.empty()) PutValues(cloud.raw_colours[i].data(), 3, &out);
+    if (!cloud.view_counts.empty()) PutValues(&cloud.view_counts[i], 1, &out);
+    if (!cloud.ncc.empty()) PutValues(&cloud.ncc[i], 1, &out);
+    if (!cloud.expected_error.empty()) PutValues(&cloud.expected_error[i], 1, &out);
   }
   return out;
 }

@@ -2,21 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
 #include <utility>
 
+#include "scene/ply_values.h"
+
 namespace drupe {
-
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "the file is written as memory lies");
-
-template <typename T>
-void Put(const T* values, std::size_t count, std::string* out) {
-  out->append(reinterpret_cast<const char*>(values), count * sizeof(T));
-}
-
-}  // namespace
 
 double TriangleMesh::Volume() const {
   double six_volumes = 0;
@@ -55,10 +45,10 @@ std::string WritePlyMesh(const TriangleMesh& mesh) {
                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
                     std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
   out.reserve(out.size() + 12 * mesh.vertices.size() + 13 * mesh.triangles.size());
-  for (const Eigen::Vector3f& vertex : mesh.vertices) Put(vertex.data(), 3, &out);
+  for (const Eigen::Vector3f& vertex : mesh.vertices) PutValues(vertex.data(), 3, &out);
   for (const auto& triangle : mesh.triangles) {
     out.push_back(3);
-    Put(triangle.data(), 3, &out);
+    PutValues(triangle.data(), 3, &out);
   }
   return out;
 }

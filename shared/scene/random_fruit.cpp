@@ -14,7 +14,7 @@
 namespace drupe {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kLens = 0.07;         // mm: half width that the pictures' own blur gives an edge
 constexpr double kApart = 0.7;         // mm of skin between defects that do not touch
 constexpr double kMostCovered = 0.25;  // of a defect's area by another one
@@ -60,7 +60,7 @@ class FruitDrawing {
     const int turns = static_cast<int>(area / (options_.spacing_mm * options_.spacing_mm));
     for (int k = 0; k < turns; ++k) {
       const double z = 1 - (2.0 * k + 1) / turns, ring = std::sqrt(1 - z * z);
-      const double azimuth = 2 * kPi * std::numbers::phi * k;
+      const double azimuth = 2 * pi * std::numbers::phi * k;
       const Eigen::Vector3d even(ring * std::cos(azimuth), ring * std::sin(azimuth), z);
       const Eigen::Vector3d d = (even + 0.25 * options_.spacing_mm / scale_ * dice_.Direction()).normalized();
       if (IsSeen(d)) AddPoint(d, fruit.cloud);
@@ -75,7 +75,7 @@ class FruitDrawing {
     oval_ = dice_.Uniform(0, 0.02);
     hollow_ = dice_.Uniform(0, 0.06);
     suture_ = dice_.Uniform(0, 0.02);
-    azimuth_ = dice_.Uniform(0, 2 * kPi);
+    azimuth_ = dice_.Uniform(0, 2 * pi);
     centre_ = {dice_.Uniform(-1, 1), dice_.Uniform(-1, 1), 18 + polar_};
     scale_ = std::cbrt(equatorial_ * equatorial_ * polar_);
     skin_ = DrawSkinColour(dice_);
@@ -104,7 +104,7 @@ class FruitDrawing {
     const double across = (d.x() * d.x() + d.y() * d.y()) / (equatorial_ * equatorial_);
     const double ellipsoid = 1 / std::sqrt(across + d.z() * d.z() / (polar_ * polar_));
     const double stalk = hollow_ * std::exp(-std::pow(std::acos(std::clamp(d.z(), -1.0, 1.0)) / 0.3, 2));
-    const double away = std::remainder(std::atan2(d.y(), d.x()) - azimuth_, 2 * kPi) * std::hypot(d.x(), d.y());
+    const double away = std::remainder(std::atan2(d.y(), d.x()) - azimuth_, 2 * pi) * std::hypot(d.x(), d.y());
     const double groove = suture_ * std::exp(-std::pow(away / 0.12, 2));
     const double oval = 1 + oval_ * std::cos(2 * (std::atan2(d.y(), d.x()) - azimuth_)) * (1 - d.z() * d.z());
     return ellipsoid * oval * (1 + 0.004 * bumps_.At(d) - stalk - groove);
@@ -254,7 +254,7 @@ class FruitDrawing {
   }
 
   void AddPoint(const Eigen::Vector3d& d, PointCloud& cloud) {
-    const double turn = std::atan2(d.y(), d.x()) / (2 * kPi) + 0.5 + 0.01 * seam_.At(d);
+    const double turn = std::atan2(d.y(), d.x()) / (2 * pi) + 0.5 + 0.01 * seam_.At(d);
     const int view = static_cast<int>(std::floor(turn * kViews) + kViews) % kViews;
     double radius = RadiusAt(d) + view_offsets_[static_cast<std::size_t>(view)];
     for (const SkinShape& shape : shapes_) {
@@ -276,7 +276,7 @@ class FruitDrawing {
     const CubeMap map(kTruthCells);
     double sum = 0;
     for (int k = 0; k < kTurns; ++k) {
-      const double angle = kPi * k / kTurns;
+      const double angle = pi * k / kTurns;
       double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
       for (int cell = 0; cell < map.size(); ++cell) {
         const Eigen::Vector3d x = surface_.PointAt(map.DirectionOf(cell)) - centre_;
@@ -294,7 +294,7 @@ class FruitDrawing {
     constexpr int kSteps = 720;
     std::vector<Eigen::Vector3d> line;
     for (int k = 0; k < kSteps; ++k) {
-      const Eigen::Vector2d flat = shape.OutlineAt(2 * kPi * k / kSteps);
+      const Eigen::Vector2d flat = shape.OutlineAt(2 * pi * k / kSteps);
       const double arc = flat.norm() / scale_;
       const Eigen::Vector3d side = (flat.x() * shape.right + flat.y() * shape.down) / flat.norm();
       line.push_back(surface_.PointAt(std::cos(arc) * shape.axis + std::sin(arc) * side));

@@ -9,7 +9,7 @@
 namespace drupe {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kLeastContrast = 14;  // Lab units with L halved: what a grader sees at a glance
 constexpr double kOffSkinShare = 0.3;  // of the rain spots: bleached skin, or skin of another hue
 constexpr int kTrials = 40;
@@ -55,12 +55,12 @@ Eigen::Vector3d DrawOffSkin(Dice& dice, const Eigen::Vector3d& skin) {
 
 void DrawOutline(Dice& dice, SkinShape& shape) {
   const auto draw = [&](double area, double stretch, double lobe, double soft) {
-    shape.radius_mm = std::sqrt(area / kPi);
+    shape.radius_mm = std::sqrt(area / pi);
     shape.stretch = stretch;
     shape.soft_mm = soft;
     for (int k = 0; k < 4; ++k) {
       shape.lobes[k] = lobe * dice.Uniform(0, 1) / (1 + k);
-      shape.phases[k] = dice.Uniform(0, 2 * kPi);
+      shape.phases[k] = dice.Uniform(0, 2 * pi);
     }
   };
   switch (shape.defect_class) {
@@ -91,7 +91,7 @@ SmoothNoise::SmoothNoise(Dice& dice, double waves, int cells) {
   std::array<double, kWaves> phases;
   for (int k = 0; k < kWaves; ++k) {
     vectors[k] = waves * dice.Uniform(0.5, 1.2) * dice.Direction();
-    phases[k] = dice.Uniform(0, 2 * kPi);
+    phases[k] = dice.Uniform(0, 2 * pi);
   }
   table_ = CubeTable<float>::Of(cells, [&](const Eigen::Vector3d& direction) {
     double sum = 0;
@@ -137,7 +137,7 @@ SkinShape DrawShape(Dice& dice, DefectClass defect_class, const Eigen::Vector3d&
   SkinShape shape;
   shape.defect_class = defect_class;
   shape.axis = axis;
-  const Eigen::AngleAxisd turn(dice.Uniform(0, kPi), axis);
+  const Eigen::AngleAxisd turn(dice.Uniform(0, pi), axis);
   shape.right = turn * axis.unitOrthogonal();
   shape.down = axis.cross(shape.right);
   DrawOutline(dice, shape);

@@ -74,9 +74,9 @@ Result<Json> Changed(Result<Job> job) {
   return OperatorJobJson(*job);
 }
 
-using Answer = std::function<Result<Json>(JobStore&, const Request&)>;
+using JobAnswer = std::function<Result<Json>(JobStore&, const Request&)>;
 
-Handler Reply(JobStore& jobs, Answer answer) {
+Handler Reply(JobStore& jobs, JobAnswer answer) {
   return [&jobs, answer = std::move(answer)](const Request& request, Response& response) {
     const Result<Json> json = answer(jobs, request);
     json.ok() ? response.SetJson(*json) : response.SetError(json.status());

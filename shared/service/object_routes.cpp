@@ -128,9 +128,9 @@ Status PutRoots(DiskObjectStore& store, const Request& request, Response& respon
   return Status::Ok();
 }
 
-using Answer = Status (*)(DiskObjectStore&, const Request&, Response&);
+using ObjectAnswer = Status (*)(DiskObjectStore&, const Request&, Response&);
 
-Handler Reply(DiskObjectStore& store, Answer answer) {
+Handler Reply(DiskObjectStore& store, ObjectAnswer answer) {
   return [&store, answer](const Request& request, Response& response) {
     if (const Status status = answer(store, request, response); !status.ok()) response.SetError(status);
   };

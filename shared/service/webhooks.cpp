@@ -14,7 +14,7 @@ namespace drupe {
 namespace {
 
 constexpr int kMaxAttempts = 20;  ///< with pauses of up to a minute, a quarter of an hour
-constexpr int kPage = 100;
+constexpr int kJobsAtOnce = 100;
 constexpr int kPriority = 5;
 constexpr std::size_t kMaxSecretBytes = 4096;
 constexpr std::size_t kMinSecretBytes = 16;
@@ -102,7 +102,7 @@ Result<std::vector<Webhooks::Due>> Webhooks::FindDue() {
                            database_.Prepare("SELECT webhooks.job, webhooks.url FROM webhooks"
                                              " JOIN jobs ON jobs.id = webhooks.job WHERE jobs.finished_ms > 0"
                                              " AND jobs.finished_ms <> webhooks.told_ms LIMIT ?"));
-    rows->Bind(kPage);
+    rows->Bind(kJobsAtOnce);
     for (;;) {
       DRUPE_ASSIGN_OR_RETURN(const bool more, rows->Step());
       if (!more) return Status::Ok();

@@ -5,16 +5,13 @@
 #include <vector>
 
 #include "base/digest.h"
+#include "base/hex.h"
 
 namespace drupe {
 
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
-
-bool IsHexDigit(char c) {
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-}
 
 bool IsFanOut(const std::string& name) {
   return name.size() == 2 && IsHexDigit(name[0]) && IsHexDigit(name[1]);

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/digest.h"
+#include "base/hex.h"
 #include "store/object_files.h"
 
 namespace drupe {
@@ -13,10 +14,6 @@ namespace {
 constexpr std::size_t kDigestDigits = 64;
 /// JSON that refers to other objects is smaller; clouds and pictures are not searched.
 constexpr std::uint64_t kMaxReferringBytes = std::uint64_t{16} << 20;
-
-bool IsHexDigit(char c) {
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-}
 
 /// The digests that a kept object refers to, if it is a JSON object.
 Result<std::vector<std::string>> ReferencesOf(const ReadableFile& file, std::uint64_t size) {

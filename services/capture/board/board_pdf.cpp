@@ -1,22 +1,14 @@
-#include <array>
-#include <cstdio>
 #include <vector>
 
+#include "capture/board/append_format.h"
 #include "capture/board/board_print.h"
 
 namespace drupe {
 namespace {
 
 constexpr double kPointsPerMm = 72 / 25.4;
-constexpr double kCapitalShare = 0.718;  // height of Helvetica's capitals in its size
-constexpr double kArc = 0.5522847498;    // of a radius: control points of a quarter circle as a Bezier curve
-
-template <typename... Values>
-void Append(std::string& text, const char* format, Values... values) {
-  std::array<char, 320> line{};
-  std::snprintf(line.data(), line.size(), format, values...);
-  text += line.data();
-}
+constexpr double kHelveticaCapitals = 0.718;  // height of Helvetica's capitals in its size
+constexpr double kArc = 0.5522847498;         // of a radius: control points of a quarter circle as a Bezier curve
 
 /// Parentheses and backslashes have a meaning in a PDF string.
 std::string Escaped(const std::string& text) {
@@ -30,23 +22,24 @@ std::string Escaped(const std::string& text) {
 
 void AppendDisc(const Disc& disc, std::string& page) {
   const double x = disc.x, y = disc.y, r = disc.radius, c = kArc * disc.radius;
-  Append(page, "%.3f g %.4f %.4f m\n", disc.grey / 255.0, x + r, y);
-  Append(page, "%.4f %.4f %.4f %.4f %.4f %.4f c\n", x + r, y + c, x + c, y + r, x, y + r);
-  Append(page, "%.4f %.4f %.4f %.4f %.4f %.4f c\n", x - c, y + r, x - r, y + c, x - r, y);
-  Append(page, "%.4f %.4f %.4f %.4f %.4f %.4f c\n", x - r, y - c, x - c, y - r, x, y - r);
-  Append(page, "%.4f %.4f %.4f %.4f %.4f %.4f c f\n", x + c, y - r, x + r, y - c, x + r, y);
+  AppendFormat(page, "%.3f g %.4f %.4f m\n", disc.grey / 255.0, x + r, y);
+  AppendFormat(page, "%.4f %.4f %.4f %.4f %.4f %.4f c\n", x + r, y + c, x + c, y + r, x, y + r);
+  AppendFormat(page, "%.4f %.4f %.4f %.4f %.4f %.4f c\n", x - c, y + r, x - r, y + c, x - r, y);
+  AppendFormat(page, "%.4f %.4f %.4f %.4f %.4f %.4f c\n", x - r, y - c, x - c, y - r, x, y - r);
+  AppendFormat(page, "%.4f %.4f %.4f %.4f %.4f %.4f c f\n", x + c, y - r, x + r, y - c, x + r, y);
 }
 
 /// The page's drawing operators, in mm from the top left.
 std::string PageOf(const BoardDrawing& drawing) {
   std::string page;
-  Append(page, "%.8f 0 0 %.8f 0 %.6f cm\n", kPointsPerMm, -kPointsPerMm, drawing.height_mm * kPointsPerMm);
+  AppendFormat(page, "%.8f 0 0 %.8f 0 %.6f cm\n", kPointsPerMm, -kPointsPerMm, drawing.height_mm * kPointsPerMm);
   for (const Disc& disc : drawing.discs) AppendDisc(disc, page);
   page += "0 g\n";
-  for (const Rectangle& r : drawing.rectangles) Append(page, "%.4f %.4f %.4f %.4f re\n", r.x, r.y, r.width, r.height);
+  for (const Rectangle& r : drawing.rectangles)
+    AppendFormat(page, "%.4f %.4f %.4f %.4f re\n", r.x, r.y, r.width, r.height);
   page += "f\nBT\n";  // one fill, so that no renderer leaves hairlines between neighbouring cells
   for (const Label& label : drawing.labels) {
-    Append(page, "/F1 %.3f Tf 1 0 0 -1 %.3f %.3f Tm\n", label.height_mm / kCapitalShare, label.x, label.y);
+    AppendFormat(page, "/F1 %.3f Tf 1 0 0 -1 %.3f %.3f Tm\n", label.height_mm / kHelveticaCapitals, label.x, label.y);
     page += "(" + Escaped(label.text) + ") Tj\n";
   }
   return page + "ET\n";
@@ -58,13 +51,13 @@ std::string FileOf(const std::vector<std::string>& objects) {
   std::vector<std::size_t> offsets;
   for (const std::string& object : objects) {
     offsets.push_back(file.size());
-    Append(file, "%zu 0 obj\n", offsets.size());
+    AppendFormat(file, "%zu 0 obj\n", offsets.size());
     file += object + "\nendobj\n";
   }
   const std::size_t table = file.size();
-  Append(file, "xref\n0 %zu\n0000000000 65535 f \n", objects.size() + 1);
-  for (const std::size_t offset : offsets) Append(file, "%010zu 00000 n \n", offset);
-  Append(file, "trailer\n<< /Size %zu /Root 1 0 R >>\nstartxref\n%zu\n%%%%EOF\n", objects.size() + 1, table);
+  AppendFormat(file, "xref\n0 %zu\n0000000000 65535 f \n", objects.size() + 1);
+  for (const std::size_t offset : offsets) AppendFormat(file, "%010zu 00000 n \n", offset);
+  AppendFormat(file, "trailer\n<< /Size %zu /Root 1 0 R >>\nstartxref\n%zu\n%%%%EOF\n", objects.size() + 1, table);
   return file;
 }
 
@@ -74,7 +67,8 @@ std::string FileOf(const std::vector<std::string>& objects) {
 std::string ToPdf(const BoardDrawing& drawing) {
   const std::string page = PageOf(drawing);
   std::string sheet = "<< /Type /Page /Parent 2 0 R /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> ";
-  Append(sheet, "/MediaBox [0 0 %.6f %.6f] >>", drawing.width_mm * kPointsPerMm, drawing.height_mm * kPointsPerMm);
+  AppendFormat(sheet, "/MediaBox [0 0 %.6f %.6f] >>", drawing.width_mm * kPointsPerMm,
+               drawing.height_mm * kPointsPerMm);
   std::string stream = "<< /Length " + std::to_string(page.size()) + " >>\nstream\n";
   stream += page + "endstream";
   return FileOf({"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",

@@ -23,7 +23,7 @@ Checkerboard Pattern(bool legacy = false) {
           .markers = CharucoMarkers{.marker_mm = 4.2, .dictionary = "DICT_4X4_50", .legacy = legacy}};
 }
 
-PinholeCamera TrueCamera() {
+PinholeCamera SharpCamera() {
   return {.width = 800,
           .height = 600,
           .fx = 1100,
@@ -62,7 +62,7 @@ cv::Mat Print(const Checkerboard& pattern) {
 /// centred.
 std::string Picture(const cv::Mat& board, const Checkerboard& pattern, double tilt_x, double tilt_y,
                     const Eigen::Vector2d& shift) {
-  const PinholeCamera camera = TrueCamera();
+  const PinholeCamera camera = SharpCamera();
   const Eigen::Matrix3d r =
       (Eigen::AngleAxisd(tilt_x, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(tilt_y, Eigen::Vector3d::UnitY()))
           .toRotationMatrix();
@@ -108,7 +108,7 @@ TEST_P(CharucoTest, FindsTheTrueCameraThoughTheBoardIsSeenInPart) {
   const Checkerboard pattern = Pattern(GetParam());
   const auto result = RunCalibration(Pictures(pattern), pattern, {}, {});
   ASSERT_TRUE(result.ok()) << result.status().ToString();
-  const PinholeCamera found = result->calibration.camera, truth = TrueCamera();
+  const PinholeCamera found = result->calibration.camera, truth = SharpCamera();
   EXPECT_NEAR(found.fx / truth.fx, 1, 1e-3);
   EXPECT_NEAR(found.cx, truth.cx, 1);
   EXPECT_NEAR(found.cy, truth.cy, 1);

@@ -8,7 +8,7 @@
 namespace drupe {
 namespace {
 
-constexpr Checkerboard kPattern{.columns = 9, .rows = 6, .square_mm = 10};
+constexpr Checkerboard kGuidedPattern{.columns = 9, .rows = 6, .square_mm = 10};
 constexpr int kWidth = 1000, kHeight = 800;
 constexpr double kFocalPx = 1500;
 
@@ -21,8 +21,9 @@ PatternCorners Corners(double tilt_x_deg, double tilt_y_deg, double distance_mm 
   const Eigen::Vector3d middle =
       distance_mm * Eigen::Vector3d((x - kWidth / 2) / kFocalPx, (y - kHeight / 2) / kFocalPx, 1);
   PatternCorners corners;
-  for (int i = 0; i < kPattern.CornerCount(); ++i) {
-    const Eigen::Vector2d mm = kPattern.CornerMm(i) - Eigen::Vector2d(kPattern.WidthMm(), kPattern.HeightMm()) / 2;
+  for (int i = 0; i < kGuidedPattern.CornerCount(); ++i) {
+    const Eigen::Vector2d mm =
+        kGuidedPattern.CornerMm(i) - Eigen::Vector2d(kGuidedPattern.WidthMm(), kGuidedPattern.HeightMm()) / 2;
     const Eigen::Vector3d point = r * Eigen::Vector3d(mm.x(), mm.y(), 0) + middle;
     const Eigen::Vector2d pixel = kFocalPx * point.hnormalized() + Eigen::Vector2d(kWidth, kHeight) / 2;
     if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() >= kWidth || pixel.y() >= kHeight) continue;
@@ -40,7 +41,7 @@ bool IsMissing(const Guidance& guidance, const std::string& kind, const std::str
 TEST(GuidanceTest, MeasuresPoses) {
   // About y by 30 degrees: x = right goes to negative z, nearer.
   const Guidance guidance =
-      Guide({Corners(0, 30), Corners(-25, 0), Corners(0, 0, 500, 700, 300)}, kPattern, kWidth, kHeight);
+      Guide({Corners(0, 30), Corners(-25, 0), Corners(0, 0, 500, 700, 300)}, kGuidedPattern, kWidth, kHeight);
   const PatternPose &turned = guidance.poses[0], &nodding = guidance.poses[1], &flat = guidance.poses[2];
   EXPECT_NEAR(turned.tilt_deg, 30, 2);
   EXPECT_GT(turned.nearer_x, 0.98);
@@ -54,7 +55,7 @@ TEST(GuidanceTest, MeasuresPoses) {
 
 TEST(GuidanceTest, SaysWhatIsMissingUntilNothingIs) {
   std::vector<PatternCorners> pictures;
-  const auto guide = [&] { return Guide(pictures, kPattern, kWidth, kHeight); };
+  const auto guide = [&] { return Guide(pictures, kGuidedPattern, kWidth, kHeight); };
   const Guidance nothing = guide();
   EXPECT_TRUE(IsMissing(nothing, "pictures"));
   EXPECT_TRUE(IsMissing(nothing, "fill"));
@@ -77,7 +78,7 @@ TEST(GuidanceTest, SaysWhatIsMissingUntilNothingIs) {
 
 TEST(GuidanceTest, KnowsAPictureThatShowsTheSame) {
   const Guidance guidance = Guide({Corners(0, 30), Corners(2, 28, 252, 510, 405), Corners(0, -30), Corners(0, 30, 300)},
-                                  kPattern, kWidth, kHeight);
+                                  kGuidedPattern, kWidth, kHeight);
   const std::vector<PatternPose> kept = {guidance.poses[2], guidance.poses[0]};
   EXPECT_EQ(SimilarPose(guidance.poses[1], kept), 1);
   EXPECT_EQ(SimilarPose(guidance.poses[3], kept), -1);

@@ -10,7 +10,7 @@ namespace drupe {
 namespace {
 
 constexpr std::uint32_t kPacketResend = 1U << 2;
-constexpr std::uint32_t kWriteMemory = 1U << 1;
+constexpr std::uint32_t kCanWriteMemory = 1U << 1;
 
 void Rename(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at)) text.replace(at, 5, to);
@@ -38,7 +38,7 @@ CameraRegisters::CameraRegisters(const std::string& serial, int sensor_width, in
   Set(registers::kSensorHeight, static_cast<std::uint32_t>(sensor_height));
   Set(registers::kWidth, static_cast<std::uint32_t>(sensor_width));
   Set(registers::kHeight, static_cast<std::uint32_t>(sensor_height));
-  Set(registers::kCapabilities, kPacketResend | kWriteMemory);
+  Set(registers::kCapabilities, kPacketResend | kCanWriteMemory);
   Set(registers::kCurrentAddress, ip_address);
 }
 

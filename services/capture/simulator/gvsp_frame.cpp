@@ -5,7 +5,7 @@
 namespace drupe {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 20 + 8 + 8;  // IP, UDP and GVSP
+constexpr std::size_t kPacketHeaderBytes = 20 + 8 + 8;  // IP, UDP and GVSP
 enum Content : std::uint32_t { kLeader = 1, kTrailer = 2, kPayload = 3 };
 constexpr int kImage = 1;
 
@@ -23,7 +23,7 @@ std::uint64_t ReadBigEndian(std::string_view bytes, std::size_t offset, int coun
 }
 
 std::uint32_t GvspFrame::PacketCount() const {
-  const std::size_t piece = packet_bytes - kHeaderBytes;
+  const std::size_t piece = packet_bytes - kPacketHeaderBytes;
   return static_cast<std::uint32_t>((pixels.size() + piece - 1) / piece + 2);
 }
 
@@ -35,7 +35,7 @@ std::string GvspFrame::Packet(std::uint32_t index) const {
   AppendBigEndian(packet, block_id, 2);
   AppendBigEndian(packet, content << 24 | index, 4);
   if (content == kPayload) {
-    const std::size_t piece = packet_bytes - kHeaderBytes, start = (index - 1) * piece;
+    const std::size_t piece = packet_bytes - kPacketHeaderBytes, start = (index - 1) * piece;
     const std::size_t size = std::min(piece, pixels.size() - start);
     return packet.append(reinterpret_cast<const char*>(pixels.data()) + start, size);
   }

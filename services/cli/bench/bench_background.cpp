@@ -19,7 +19,7 @@ namespace drupe {
 namespace {
 
 /// What the user wrote after `drupe bench background`.
-struct Arguments {
+struct BackgroundArguments {
   std::vector<std::string> sets;
   std::string clouds;
   int recoloured = 8;
@@ -110,7 +110,7 @@ std::vector<std::string> Row(const Variant& variant, const std::string& fruit, c
   return row;
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const BackgroundArguments& arguments) {
   std::vector<LabelledSet> sets;
   for (const std::string& directory : arguments.sets) {
     DRUPE_ASSIGN_OR_RETURN(LabelledSet set, LoadSet(directory, arguments.clouds));
@@ -143,7 +143,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 void AddBackgroundBench(CLI::App& bench, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<BackgroundArguments>();
   CLI::App* command = bench.add_subcommand(
       "background",
       "Table 4 of the paper: fruit against background by colour, Lab against RGB. Every fruit in turn is the test of "

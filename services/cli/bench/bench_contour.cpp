@@ -19,7 +19,7 @@ namespace drupe {
 namespace {
 
 /// What the user wrote after `drupe bench contour`.
-struct Arguments {
+struct ContourArguments {
   std::vector<std::string> sets;
   std::string clouds;
   int control_points = ContourOptions().control_points;
@@ -78,7 +78,7 @@ void Compare(const Report& report, const std::vector<TrueDefect>& truth, Line& l
   }
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const ContourArguments& arguments) {
   std::array<Line, kDensities.size()> lines;
   std::size_t of = 0;
   for (const std::string& directory : arguments.sets) {
@@ -111,7 +111,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 void AddContourBench(CLI::App& bench, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ContourArguments>();
   CLI::App* command = bench.add_subcommand(
       "contour",
       "Table 5 of the paper: rain spots measured with 1 to 120 samples a span of the contour's B-spline, by Heron's\n"

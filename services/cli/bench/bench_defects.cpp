@@ -20,7 +20,7 @@ namespace drupe {
 
 namespace {
 
-struct Arguments {
+struct DefectsArguments {
   std::vector<std::string> sets;
   std::string results;
   std::string options;
@@ -57,7 +57,7 @@ Result<AnalysisInput> Reconstruct(const TruthSet& set) {
   return input;
 }
 
-Status ScoreSet(const std::string& directory, const Arguments& arguments, const AnalysisOptions& options,
+Status ScoreSet(const std::string& directory, const DefectsArguments& arguments, const AnalysisOptions& options,
                 DefectScores& scores) {
   DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
   DRUPE_ASSIGN_OR_RETURN(const std::vector<FruitTruth> truths, ParseFruitTruths(set.truth));
@@ -68,7 +68,7 @@ Status ScoreSet(const std::string& directory, const Arguments& arguments, const 
   return Status::Ok();
 }
 
-Status ScoreRandomFruit(std::uint64_t seed, const Arguments& arguments, const AnalysisOptions& options,
+Status ScoreRandomFruit(std::uint64_t seed, const DefectsArguments& arguments, const AnalysisOptions& options,
                         DefectScores& scores) {
   RandomFruit fruit = MakeRandomFruit(seed, {.spacing_mm = arguments.spacing_mm});
   AnalysisInput input;
@@ -85,7 +85,7 @@ void Print(const char* title, const DefectScores& scores, bool notes) {
   std::fflush(stdout);
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const DefectsArguments& arguments) {
   DRUPE_ASSIGN_OR_RETURN(const Json json, LoadJsonArgument(arguments.options));
   DRUPE_ASSIGN_OR_RETURN(const AnalysisOptions options, ParseAnalysisOptions(json));
   if (arguments.sets.empty() && arguments.fruits == 0) {
@@ -112,7 +112,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 void AddDefectsBench(CLI::App& bench, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DefectsArguments>();
   CLI::App* command = bench.add_subcommand(
       "defects",
       "Defects, classes, grades, areas and their uncertainties against the truth, on rendered sets and on made-up\n"

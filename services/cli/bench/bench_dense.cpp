@@ -18,7 +18,7 @@ namespace drupe {
 namespace {
 
 /// What the user wrote after `drupe bench dense`.
-struct Arguments {
+struct DenseArguments {
   std::vector<std::string> sets;
   std::string work = "bench-dense";
   bool no_peers = false;
@@ -96,7 +96,7 @@ Status AddPeers(const TruthSet& set, const SparseModel& model, const Sim3& truth
   return Status::Ok();
 }
 
-Status BenchSet(const std::string& directory, const Arguments& arguments) {
+Status BenchSet(const std::string& directory, const DenseArguments& arguments) {
   DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
   RunContext context;
   context.threads = arguments.threads;
@@ -129,7 +129,7 @@ Status BenchSet(const std::string& directory, const Arguments& arguments) {
   return Status::Ok();
 }
 
-Status Bench(const Arguments& arguments) {
+Status Bench(const DenseArguments& arguments) {
   for (const std::string& set : arguments.sets) DRUPE_RETURN_IF_ERROR(BenchSet(set, arguments));
   return Status::Ok();
 }
@@ -137,7 +137,7 @@ Status Bench(const Arguments& arguments) {
 }  // namespace
 
 void AddDenseBench(CLI::App& bench, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DenseArguments>();
   CLI::App* command = bench.add_subcommand(
       "dense",
       "Time, memory and points of the sparse and the dense model (paper Table 3), and the cloud's error against the\n"

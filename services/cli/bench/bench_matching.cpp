@@ -14,6 +14,7 @@
 #include "cli/bench/neighbour_pairs.h"
 #include "cli/bench/set_bench.h"
 #include "cli/bench/text_table.h"
+#include "cli/bench/truth_set.h"
 #include "reconstruction/matching/descriptor_matching.h"
 #include "reconstruction/matching/matching.h"
 #include "reconstruction/matching/static_features.h"
@@ -26,7 +27,7 @@ namespace {
 constexpr std::array<double, 5> kRatios = {0.5, 0.6, 0.7, 0.8, 0.9};
 
 /// What the user wrote after `drupe bench matching`.
-struct Arguments {
+struct MatchingArguments {
   SetArguments sets;
   int window = 1;
 };
@@ -44,10 +45,6 @@ struct Tally {
   std::size_t matches = 0;
   std::size_t wrong = 0;
 };
-
-std::string Stem(const std::string& name) {
-  return std::filesystem::path(name).stem().string();
-}
 
 Result<Pictures> LoadPictures(const TruthSet& set, int window, const RunContext& context) {
   Pictures pictures;
@@ -122,7 +119,7 @@ void AppendCells(const Tally& tally, std::vector<std::string>& row) {
       tally.matches == 0 ? 0.0 : 100.0 * static_cast<double>(tally.wrong) / static_cast<double>(tally.matches), 2));
 }
 
-Status MeasureSet(const TruthSet& set, const Arguments& arguments) {
+Status MeasureSet(const TruthSet& set, const MatchingArguments& arguments) {
   const RunContext context = arguments.sets.Context();
   DRUPE_ASSIGN_OR_RETURN(const MatchTruth truth, MatchTruth::Load(set));
   DRUPE_ASSIGN_OR_RETURN(const Pictures pictures, LoadPictures(set, arguments.window, context));
@@ -145,14 +142,14 @@ Status MeasureSet(const TruthSet& set, const Arguments& arguments) {
   return Status::Ok();
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const MatchingArguments& arguments) {
   return MeasureSets(arguments.sets, [&](const TruthSet& set) { return MeasureSet(set, arguments); });
 }
 
 }  // namespace
 
 void AddMatchingBench(CLI::App& bench, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<MatchingArguments>();
   CLI::App* command = bench.add_subcommand(
       "matching",
       "Table 1 of the paper: matches and wrong ones by the ratio threshold H, first by ratio test and mutual check "

@@ -25,7 +25,7 @@ namespace drupe {
 namespace {
 
 /// What the user wrote after `drupe bench segmentation`.
-struct Arguments {
+struct SegmentationArguments {
   std::vector<std::string> inputs;
   std::string clouds;
   std::vector<int> classes = {4, 6};
@@ -130,7 +130,7 @@ Status AddRows(const TrueFruit& fruit, const std::vector<int>& classes, std::vec
   return Status::Ok();
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const SegmentationArguments& arguments) {
   std::vector<std::vector<std::string>> rows;
   for (const std::string& input : arguments.inputs) {
     DRUPE_ASSIGN_OR_RETURN(const std::vector<TrueFruit> fruits, LoadFruits(input, arguments.clouds));
@@ -146,7 +146,7 @@ Status Run(const Arguments& arguments) {
 }  // namespace
 
 void AddSegmentationBench(CLI::App& bench, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SegmentationArguments>();
   CLI::App* command = bench.add_subcommand(
       "segmentation",
       "Colour classes of the skin: ours beside OpenCV's K-means and K-means++ on the same points. Seconds of CPU, the\n"

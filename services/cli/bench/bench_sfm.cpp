@@ -19,7 +19,7 @@ namespace drupe {
 namespace {
 
 /// What the user wrote after `drupe bench sfm`.
-struct Arguments {
+struct SfmArguments {
   SetArguments sets;
   std::string peers = "all";
   bool exhaustive = false;
@@ -32,7 +32,7 @@ double StageCpu(const Timings& timings, const std::string& name) {
   return cpu_s;
 }
 
-Result<SfmRun> RunOurs(const TruthSet& set, const Arguments& arguments, SparseMethod method) {
+Result<SfmRun> RunOurs(const TruthSet& set, const SfmArguments& arguments, SparseMethod method) {
   ReconstructionInput input = set.input;
   if (arguments.without_board) input.board.reset();
   ReconstructionOptions options;
@@ -96,7 +96,7 @@ Result<std::vector<std::string>> RowOf(const TruthSet& set, const SfmRun& run) {
                                   FixedText(errors.mean_rotation_deg, 5)};
 }
 
-Status MeasureSet(const TruthSet& set, const Arguments& arguments) {
+Status MeasureSet(const TruthSet& set, const SfmArguments& arguments) {
   std::vector<std::vector<std::string>> rows;
   const auto add = [&](const Result<SfmRun>& run) -> Status {
     DRUPE_RETURN_IF_ERROR(run.status());
@@ -116,14 +116,14 @@ Status MeasureSet(const TruthSet& set, const Arguments& arguments) {
   return Status::Ok();
 }
 
-Status Run(const Arguments& arguments) {
+Status Run(const SfmArguments& arguments) {
   return MeasureSets(arguments.sets, [&](const TruthSet& set) { return MeasureSet(set, arguments); });
 }
 
 }  // namespace
 
 void AddSfmBench(CLI::App& bench, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SfmArguments>();
   CLI::App* command = bench.add_subcommand(
       "sfm",
       "Table 2 of the paper: what structure from motion costs and how far its poses are from the truth, after the "

@@ -20,7 +20,7 @@ constexpr double kFacing = 0.35;  ///< cosine of 70 degrees
 constexpr int kLeastViews = 3;
 
 /// One true fruit.
-struct TrueFruit {
+struct TrueSkin {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> skin;
   std::vector<int> facing;   ///< a sample: views that it faces
@@ -49,14 +49,14 @@ class Neighbours {
   pcl::KdTreeFLANN<pcl::PointXYZ> tree_;
 };
 
-Result<std::vector<TrueFruit>> LoadFruits(const TruthSet& set) {
+Result<std::vector<TrueSkin>> LoadFruits(const TruthSet& set) {
   DRUPE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(set.directory + "/surface.ply", std::size_t{256} << 20));
   DRUPE_ASSIGN_OR_RETURN(const PointCloud skin, ReadPly(bytes));
   const Json fruits = set.truth.contains("fruits") ? set.truth["fruits"] : Json::array({set.truth});
-  std::vector<TrueFruit> result;
+  std::vector<TrueSkin> result;
   try {
     for (const Json& json : fruits) {
-      TrueFruit fruit;
+      TrueSkin fruit;
       for (int axis = 0; axis < 3; ++axis) fruit.centre[axis] = json.at("centre_mm").at(axis).get<double>();
       std::size_t first = 0, end = skin.size();
       if (json.contains("surface_range")) {
@@ -100,19 +100,19 @@ class DepthCells {
 };
 
 /// Fills `facing` and `visible`.
-void CountViews(const TruthSet& set, std::vector<TrueFruit>* fruits) {
+void CountViews(const TruthSet& set, std::vector<TrueSkin>* fruits) {
   constexpr double kCellsPerDistance = 250;  // cells of 0.4 % of the distance
-  for (TrueFruit& fruit : *fruits) {
+  for (TrueSkin& fruit : *fruits) {
     fruit.facing.assign(fruit.skin.size(), 0);
     fruit.visible.assign(fruit.skin.size(), 0);
   }
   for (const TrueView& view : set.views) {
     DepthCells cells(view.cam_from_world, kCellsPerDistance);
-    for (const TrueFruit& fruit : *fruits) {
+    for (const TrueSkin& fruit : *fruits) {
       for (const Eigen::Vector3d& sample : fruit.skin) cells.Add(sample);
     }
     const Eigen::Vector3d centre = view.cam_from_world.Centre();
-    for (TrueFruit& fruit : *fruits) {
+    for (TrueSkin& fruit : *fruits) {
       for (std::size_t i = 0; i < fruit.skin.size(); ++i) {
         const Eigen::Vector3d outward = (fruit.skin[i] - fruit.centre).normalized();
         if (outward.dot((centre - fruit.skin[i]).normalized()) <= kFacing) continue;
@@ -124,20 +124,20 @@ void CountViews(const TruthSet& set, std::vector<TrueFruit>* fruits) {
 }
 
 /// What all fruits of a set add to.
-struct Tally {
+struct SkinTally {
   std::vector<double> errors, ratios;
   std::size_t faced = 0, faced_010 = 0, faced_020 = 0;
   std::size_t visible = 0, visible_010 = 0, visible_020 = 0;
 };
 
-double ReachOf(const TrueFruit& fruit) {
+double ReachOf(const TrueSkin& fruit) {
   constexpr double kBeyond = 1.5;
   double reach = 0;
   for (const Eigen::Vector3d& sample : fruit.skin) reach = std::max(reach, (sample - fruit.centre).norm());
   return reach + kBeyond;
 }
 
-double RadialError(const TrueFruit& fruit, const Neighbours& skin, const Eigen::Vector3d& point) {
+double RadialError(const TrueSkin& fruit, const Neighbours& skin, const Eigen::Vector3d& point) {
   std::vector<int> indices;
   std::vector<float> distances;
   skin.Find(point, 6, &indices, &distances);
@@ -150,8 +150,8 @@ double RadialError(const TrueFruit& fruit, const Neighbours& skin, const Eigen::
   return std::abs((point - fruit.centre).norm() - radius / weights);
 }
 
-void TallyErrors(const TrueFruit& fruit, const std::vector<Eigen::Vector3d>& points, const std::vector<float>& expected,
-                 Tally* tally) {
+void TallyErrors(const TrueSkin& fruit, const std::vector<Eigen::Vector3d>& points, const std::vector<float>& expected,
+                 SkinTally* tally) {
   const Neighbours skin(fruit.skin);
   for (std::size_t i = 0; i < points.size(); ++i) {
     tally->errors.push_back(RadialError(fruit, skin, points[i]));
@@ -159,7 +159,7 @@ void TallyErrors(const TrueFruit& fruit, const std::vector<Eigen::Vector3d>& poi
   }
 }
 
-void TallyCompleteness(const TrueFruit& fruit, const std::vector<Eigen::Vector3d>& points, Tally* tally) {
+void TallyCompleteness(const TrueSkin& fruit, const std::vector<Eigen::Vector3d>& points, SkinTally* tally) {
   const Neighbours cloud(points.empty() ? std::vector<Eigen::Vector3d>{{1e6, 1e6, 1e6}} : points);
   std::vector<int> indices;
   std::vector<float> distances;
@@ -188,7 +188,7 @@ double Percent(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-DenseErrors Summarise(std::size_t points, Tally* tally) {
+DenseErrors Summarise(std::size_t points, SkinTally* tally) {
   DenseErrors errors;
   errors.points = points;
   errors.on_fruit = tally->errors.size();
@@ -208,12 +208,12 @@ DenseErrors Summarise(std::size_t points, Tally* tally) {
 }  // namespace
 
 Result<DenseErrors> CompareCloud(const TruthSet& set, const PointCloud& cloud, const Sim3& truth_from_cloud) {
-  DRUPE_ASSIGN_OR_RETURN(std::vector<TrueFruit> fruits, LoadFruits(set));
+  DRUPE_ASSIGN_OR_RETURN(std::vector<TrueSkin> fruits, LoadFruits(set));
   CountViews(set, &fruits);
   std::vector<Eigen::Vector3d> aligned;
   for (const Eigen::Vector3f& position : cloud.positions) aligned.push_back(truth_from_cloud * position.cast<double>());
-  Tally tally;
-  for (const TrueFruit& fruit : fruits) {
+  SkinTally tally;
+  for (const TrueSkin& fruit : fruits) {
     const double reach = ReachOf(fruit);
     std::vector<Eigen::Vector3d> points;
     std::vector<float> expected;

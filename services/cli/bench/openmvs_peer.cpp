@@ -13,7 +13,7 @@ namespace drupe {
 
 namespace {
 
-constexpr std::size_t kMostPlyBytes = std::size_t{4} << 30;
+constexpr std::size_t kMostMeshBytes = std::size_t{4} << 30;
 constexpr double kPixelCentre = 0.5;  ///< of COLMAP's first pixel; ours is at 0
 
 std::string PictureName(std::size_t view) {
@@ -99,7 +99,7 @@ Result<PeerCloud> RunOpenMvs(const TruthSet& set, const SparseModel& model, cons
   DRUPE_RETURN_IF_ERROR(RunStep({"DensifyPointCloud", "-w", directory, "-i", "scene.mvs", "-o", "scene_dense.mvs",
                                  "--resolution-level", "1", "--max-threads", std::to_string(threads)},
                                 directory, &peer.run));
-  const Result<std::string> ply = ReadFile(directory + "/scene_dense.ply", kMostPlyBytes);
+  const Result<std::string> ply = ReadFile(directory + "/scene_dense.ply", kMostMeshBytes);
   if (!ply.ok()) return Internal("peer_failed", "DensifyPointCloud wrote no scene_dense.ply in " + directory);
   DRUPE_ASSIGN_OR_RETURN(peer.cloud, ReadPlyPositions(*ply));
   return peer;

@@ -7,9 +7,9 @@ namespace drupe {
 
 namespace {
 
-using Row = std::vector<std::string>;
+using TextRow = std::vector<std::string>;
 
-std::string FormatRow(const Row& row, const std::vector<std::size_t>& widths) {
+std::string FormatRow(const TextRow& row, const std::vector<std::size_t>& widths) {
   std::string line;
   for (std::size_t i = 0; i < row.size() && i < widths.size(); ++i) {
     const std::string padding(widths[i] - std::min(widths[i], row[i].size()), ' ');
@@ -20,16 +20,16 @@ std::string FormatRow(const Row& row, const std::vector<std::size_t>& widths) {
 
 }  // namespace
 
-std::string FormatTextTable(const Row& heading, const std::vector<Row>& rows) {
+std::string FormatTextTable(const TextRow& heading, const std::vector<TextRow>& rows) {
   std::vector<std::size_t> widths;
   for (const std::string& cell : heading) widths.push_back(cell.size());
-  for (const Row& row : rows) {
+  for (const TextRow& row : rows) {
     for (std::size_t i = 0; i < row.size() && i < widths.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
-  Row dashes;
+  TextRow dashes;
   for (const std::size_t width : widths) dashes.emplace_back(width, '-');
   std::string text = FormatRow(heading, widths) + FormatRow(dashes, widths);
-  for (const Row& row : rows) text += FormatRow(row, widths);
+  for (const TextRow& row : rows) text += FormatRow(row, widths);
   return text;
 }
 

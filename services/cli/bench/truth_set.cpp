@@ -13,10 +13,6 @@ namespace drupe {
 
 namespace {
 
-std::string Stem(const std::string& name) {
-  return std::filesystem::path(name).stem().string();
-}
-
 Result<TrueView> ParseTrueView(const Json& json) {
   try {
     TrueView view;
@@ -74,6 +70,10 @@ std::vector<Eigen::Vector3d> Centres(const std::vector<Rigid3>& poses) {
 }
 
 }  // namespace
+
+std::string Stem(const std::string& name) {
+  return std::filesystem::path(name).stem().string();
+}
 
 Result<TruthSet> LoadTruthSet(const std::string& directory) {
   TruthSet set;

@@ -28,6 +28,9 @@ struct TruthSet {
   Json truth;  ///< the whole of truth.json
 };
 
+/// The name of a picture or directory without its extension.
+std::string Stem(const std::string& name);
+
 /// Errors: 400 with the file that is missing or wrong.
 Result<TruthSet> LoadTruthSet(const std::string& directory);
 

@@ -10,10 +10,10 @@
 namespace drupe {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kRadius = 10;  // mm, of the fruit
 constexpr double kSpot = 0.9;   // mm, of the spots
-constexpr int kPoints = 56'000;
+constexpr int kSkinPoints = 56'000;
 
 struct Spot {
   Eigen::Vector3d axis;
@@ -27,8 +27,9 @@ double SrgbOf(double linear) {
 // A ball lit from above, with a highlight that was not quite removed, and spots with an edge 0.2 mm wide.
 FruitCloud Ball(const Eigen::Vector3d& skin, const std::vector<Spot>& spots) {
   FruitCloud fruit;
-  fruit.surface = FruitSurface(Eigen::Vector3d::Zero(),
-                               CubeTable<float>::Of(16, [](const Eigen::Vector3d&) { return static_cast<float>(kRadius); }));
+  fruit.surface =
+      FruitSurface(Eigen::Vector3d::Zero(),
+                   CubeTable<float>::Of(16, [](const Eigen::Vector3d&) { return static_cast<float>(kRadius); }));
   fruit.observed_share = 1;
   const Eigen::Vector3d lamp = Eigen::Vector3d(0.2, -1, 0.6).normalized();
   std::uint32_t state = 7;
@@ -36,9 +37,9 @@ FruitCloud Ball(const Eigen::Vector3d& skin, const std::vector<Spot>& spots) {
     state = state * 1664525u + 1013904223u;
     return (state >> 8) * 0x1p-24 - 0.5;
   };
-  for (int k = 0; k < kPoints; ++k) {
-    const double z = 1 - (2.0 * k + 1) / kPoints, ring = std::sqrt(1 - z * z),
-                 azimuth = 2 * kPi * std::numbers::phi * k;
+  for (int k = 0; k < kSkinPoints; ++k) {
+    const double z = 1 - (2.0 * k + 1) / kSkinPoints, ring = std::sqrt(1 - z * z),
+                 azimuth = 2 * pi * std::numbers::phi * k;
     const Eigen::Vector3d d(ring * std::cos(azimuth), ring * std::sin(azimuth), z);
     Eigen::Vector3d linear = skin;
     for (const Spot& spot : spots) {
@@ -100,7 +101,7 @@ TEST(FindDefects, OfAnyToneOnSkinOfAnyColour) {
         return (defect.centre_mm - kRadius * spots[k].axis).norm() < 0.3;
       });
       ASSERT_NE(found, defects->end()) << kind.name << " spot " << k;
-      const double area = 2 * kPi * kRadius * kRadius * (1 - std::cos(kSpot / kRadius));
+      const double area = 2 * pi * kRadius * kRadius * (1 - std::cos(kSpot / kRadius));
       EXPECT_NEAR(found->area_mm2 / area, 1, 0.04) << kind.name << " spot " << k;
       EXPECT_EQ(found->defect_class, DefectClass::kRainSpot);
     }

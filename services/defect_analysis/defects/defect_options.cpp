@@ -3,12 +3,10 @@
 #include <concepts>
 #include <type_traits>
 
+#include "base/option_check.h"
+
 namespace drupe {
 namespace {
-
-Status Refuse(const char* field, const char* range) {
-  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
-}
 
 bool IsWithin(double value, double low, double high) {
   return value >= low && value <= high;
@@ -80,7 +78,7 @@ Status ReadClassModel(const Json& json, OptionReader& fields, std::optional<Clas
   if (const auto found = json.find("model"); found == json.end() || !found->is_object()) {
     std::string name = "rules";
     fields.Read("model", name);
-    return name == "rules" ? Status::Ok() : Refuse("class.model", "\"rules\" or the content of a model file");
+    return name == "rules" ? Status::Ok() : RefuseOption("class.model", "\"rules\" or the content of a model file");
   }
   Result<ClassModel> read = ParseClassModel(*fields.Nested("model"));
   if (!read.ok()) {
@@ -125,48 +123,49 @@ Json ToJson(const DefectOptions& options) {
 }
 
 Status SegmentationOptions::Check() const {
-  if (min_clusters < 2 || min_clusters > 16) return Refuse("segmentation.min_clusters", "2 to 16");
+  if (min_clusters < 2 || min_clusters > 16) return RefuseOption("segmentation.min_clusters", "2 to 16");
   if (max_clusters < min_clusters || max_clusters > 16)
-    return Refuse("segmentation.max_clusters", "min_clusters to 16");
-  if (max_iterations < 1 || max_iterations > 1000) return Refuse("segmentation.max_iterations", "1 to 1000");
-  if (!IsWithin(lightness_weight, 0, 1)) return Refuse("segmentation.lightness_weight", "0 to 1");
-  if (!IsWithin(significance_delta_e, 1, 100)) return Refuse("segmentation.significance_delta_e", "1 to 100");
-  if (!IsWithin(significance_sigma, 1, 100)) return Refuse("segmentation.significance_sigma", "1 to 100");
-  if (!IsWithin(faint_share, 0.3, 1)) return Refuse("segmentation.faint_share", "0.3 to 1");
-  if (!IsWithin(local_sigma, 0, 100)) return Refuse("segmentation.local_sigma", "0 to 100");
+    return RefuseOption("segmentation.max_clusters", "min_clusters to 16");
+  if (max_iterations < 1 || max_iterations > 1000) return RefuseOption("segmentation.max_iterations", "1 to 1000");
+  if (!IsWithin(lightness_weight, 0, 1)) return RefuseOption("segmentation.lightness_weight", "0 to 1");
+  if (!IsWithin(significance_delta_e, 1, 100)) return RefuseOption("segmentation.significance_delta_e", "1 to 100");
+  if (!IsWithin(significance_sigma, 1, 100)) return RefuseOption("segmentation.significance_sigma", "1 to 100");
+  if (!IsWithin(faint_share, 0.3, 1)) return RefuseOption("segmentation.faint_share", "0.3 to 1");
+  if (!IsWithin(local_sigma, 0, 100)) return RefuseOption("segmentation.local_sigma", "0 to 100");
   return Status::Ok();
 }
 
 Status ClusterOptions::Check() const {
-  if (!IsWithin(min_area_mm2, 0.01, 1e4)) return Refuse("cluster.min_area_mm2", "0.01 to 10000");
-  if (!IsWithin(bridge_mm, 0, 10)) return Refuse("cluster.bridge_mm", "0 to 10");
-  if (!IsWithin(merge_distance_mm, 0, 5)) return Refuse("cluster.merge_distance_mm", "0 to 5");
-  if (max_defects < 1 || max_defects > 10000) return Refuse("cluster.max_defects", "1 to 10000");
+  if (!IsWithin(min_area_mm2, 0.01, 1e4)) return RefuseOption("cluster.min_area_mm2", "0.01 to 10000");
+  if (!IsWithin(bridge_mm, 0, 10)) return RefuseOption("cluster.bridge_mm", "0 to 10");
+  if (!IsWithin(merge_distance_mm, 0, 5)) return RefuseOption("cluster.merge_distance_mm", "0 to 5");
+  if (max_defects < 1 || max_defects > 10000) return RefuseOption("cluster.max_defects", "1 to 10000");
   return Status::Ok();
 }
 
 Status PlaneOptions::Check() const {
-  if (iterations < 1 || iterations > 10000) return Refuse("plane.iterations", "1 to 10000");
-  if (!IsWithin(distance, 0, 1)) return Refuse("plane.distance", "0 to 1");
-  if (!IsWithin(distance_mm, 0, 10)) return Refuse("plane.distance_mm", "0 to 10");
+  if (iterations < 1 || iterations > 10000) return RefuseOption("plane.iterations", "1 to 10000");
+  if (!IsWithin(distance, 0, 1)) return RefuseOption("plane.distance", "0 to 1");
+  if (!IsWithin(distance_mm, 0, 10)) return RefuseOption("plane.distance_mm", "0 to 10");
   return Status::Ok();
 }
 
 Status ContourOptions::Check() const {
-  if (degree < 1 || degree > 5) return Refuse("contour.degree", "1 to 5");
-  if (control_points <= degree || control_points > 200) return Refuse("contour.control_points", "degree + 1 to 200");
-  if (sampling_density < 1 || sampling_density > 1000) return Refuse("contour.sampling_density", "1 to 1000");
-  if (!IsWithin(level, 0.05, 0.95)) return Refuse("contour.level", "0.05 to 0.95");
+  if (degree < 1 || degree > 5) return RefuseOption("contour.degree", "1 to 5");
+  if (control_points <= degree || control_points > 200)
+    return RefuseOption("contour.control_points", "degree + 1 to 200");
+  if (sampling_density < 1 || sampling_density > 1000) return RefuseOption("contour.sampling_density", "1 to 1000");
+  if (!IsWithin(level, 0.05, 0.95)) return RefuseOption("contour.level", "0.05 to 0.95");
   return Status::Ok();
 }
 
 Status ClassOptions::Check() const {
-  if (!(decay_min_area_mm2 > 0)) return Refuse("class.decay_min_area_mm2", "greater than 0");
-  if (!(elongated_min >= 1)) return Refuse("class.elongated_min", "at least 1");
-  if (!(crack_max_width_mm > 0)) return Refuse("class.crack_max_width_mm", "greater than 0");
-  if (!IsWithin(decay_min_depth_mm, 0, 100)) return Refuse("class.decay_min_depth_mm", "0 to 100");
-  if (!IsWithin(crack_min_depth_mm, 0, 100)) return Refuse("class.crack_min_depth_mm", "0 to 100");
-  if (!IsWithin(crack_max_lightness, -100, 100)) return Refuse("class.crack_max_lightness", "-100 to 100");
+  if (!(decay_min_area_mm2 > 0)) return RefuseOption("class.decay_min_area_mm2", "greater than 0");
+  if (!(elongated_min >= 1)) return RefuseOption("class.elongated_min", "at least 1");
+  if (!(crack_max_width_mm > 0)) return RefuseOption("class.crack_max_width_mm", "greater than 0");
+  if (!IsWithin(decay_min_depth_mm, 0, 100)) return RefuseOption("class.decay_min_depth_mm", "0 to 100");
+  if (!IsWithin(crack_min_depth_mm, 0, 100)) return RefuseOption("class.crack_min_depth_mm", "0 to 100");
+  if (!IsWithin(crack_max_lightness, -100, 100)) return RefuseOption("class.crack_max_lightness", "-100 to 100");
   return Status::Ok();
 }
 

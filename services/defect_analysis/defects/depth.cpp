@@ -15,7 +15,7 @@ constexpr double kRingFrom = 0.4, kRingTo = 2.2;  // mm outside the outline
 constexpr double kCoreShare = 0.4;                // of the largest depth inside the outline, from which points count
 constexpr int kSectors = 12;
 constexpr std::size_t kMostRing = 4000;
-constexpr std::size_t kOutlineSample = 160;
+constexpr std::size_t kDepthOutlineSample = 160;
 constexpr std::size_t kLeastRing = 40;
 constexpr std::size_t kLeastCore = 5;
 
@@ -36,7 +36,7 @@ struct Height {
 double DistanceOutside(const Polygon& outline, const Eigen::Vector2d& p) {
   bool inside = false;
   double nearest = 1e18;
-  const std::size_t stride = std::max<std::size_t>(1, outline.size() / kOutlineSample);
+  const std::size_t stride = std::max<std::size_t>(1, outline.size() / kDepthOutlineSample);
   for (std::size_t i = 0; i < outline.size(); i += stride) nearest = std::min(nearest, (outline[i] - p).squaredNorm());
   for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
     const Eigen::Vector2d &a = outline[i], &b = outline[j];

@@ -12,7 +12,7 @@
 namespace drupe {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kNeck = 0.75;      // of the smaller part's half width
 constexpr double kWideNeck = 0.87;  // the same between two parts that both are parts of discs
 constexpr double kDiscRms = 0.035;  // of an outline about its smooth form, relative to its radius
@@ -138,7 +138,7 @@ std::pair<std::size_t, std::size_t> NeckEnds(const Polygon& outline, const Eigen
 }
 
 bool FillsDisc(const Polygon& part, double half_width) {
-  const double fill = std::abs(SignedArea(part)) / (kPi * half_width * half_width);
+  const double fill = std::abs(SignedArea(part)) / (pi * half_width * half_width);
   return fill > kLeastFill && fill < kMostFill;
 }
 
@@ -150,7 +150,7 @@ bool IsPartOfDisc(const std::optional<CompletedOutline>& part) {
 }  // namespace
 
 std::vector<Polygon> SplitAtNeck(const Polygon& outline, double min_area) {
-  const Watershed::Neck neck = Watershed(outline).Narrowest(0.8 * std::sqrt(min_area / kPi));
+  const Watershed::Neck neck = Watershed(outline).Narrowest(0.8 * std::sqrt(min_area / pi));
   if (neck.ratio >= kWideNeck) return {outline};
   const auto [from, to] = NeckEnds(outline, neck.at);
   if (to >= outline.size() || to - from < 6 || outline.size() - (to - from) < 6) return {outline};

@@ -11,7 +11,7 @@
 namespace drupe {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int kTurnBins = 180;
 constexpr double kLeastTurn = 0.4;
 constexpr int kFitIterations = 12;
@@ -29,7 +29,7 @@ double AngleOf(const Eigen::Vector2d& offset) {
 }
 
 int BinOf(double angle) {
-  return static_cast<int>(std::floor((angle / (2 * kPi) + 1) * kTurnBins)) % kTurnBins;
+  return static_cast<int>(std::floor((angle / (2 * pi) + 1) * kTurnBins)) % kTurnBins;
 }
 
 // The distance from a middle as a function of the turn: a mean and some waves.
@@ -92,7 +92,7 @@ class RadialForm {
   Polygon Draw(const std::array<double, kTurnBins>& ratios) const {
     Polygon polygon;
     for (int k = 0; k < kTurnBins; ++k) {
-      const double angle = 2 * kPi * (k + 0.5) / kTurnBins;
+      const double angle = 2 * pi * (k + 0.5) / kTurnBins;
       const double radius = ratios[static_cast<std::size_t>(k)] * RadiusAt(angle);
       polygon.push_back(middle_ + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     }
@@ -131,8 +131,8 @@ std::vector<double> TurnWeights(const Polygon& outline, const Eigen::Vector2d& m
   std::vector<double> turns;
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector2d before = outline[(i + count - 1) % count] - middle, after = outline[(i + 1) % count] - middle;
-    const double turn = std::abs(std::remainder(AngleOf(after) - AngleOf(before), 2 * kPi));
-    turns.push_back(turn / (4 * kPi) * static_cast<double>(count));
+    const double turn = std::abs(std::remainder(AngleOf(after) - AngleOf(before), 2 * pi));
+    turns.push_back(turn / (4 * pi) * static_cast<double>(count));
   }
   return turns;
 }

@@ -76,7 +76,7 @@ TEST(SegmentColours, LeavesOutWhatIsNotUsed) {
   EXPECT_EQ(std::count(found.class_of.begin(), found.class_of.end(), 0), 4000);
 }
 
-FruitCloud Sphere(int points) {
+FruitCloud SphereCloud(int points) {
   FruitCloud fruit;
   fruit.surface = FruitSurface({0, 0, 0}, CubeTable<float>::Of(8, [](const Eigen::Vector3d&) { return 18.0f; }));
   fruit.observed_share = 1;
@@ -92,7 +92,7 @@ FruitCloud Sphere(int points) {
 }
 
 TEST(SkinMap, CellsHaveTheSurfacesAreaAndTheirNeighboursBorderThem) {
-  const FruitCloud fruit = Sphere(20000);
+  const FruitCloud fruit = SphereCloud(20000);
   const SkinMap map(fruit);
   double area = 0;
   for (int cell = 0; cell < map.size(); ++cell) {
@@ -108,7 +108,7 @@ TEST(SkinMap, CellsHaveTheSurfacesAreaAndTheirNeighboursBorderThem) {
 }
 
 TEST(MeasureDeviation, TakesTheShadingOff) {
-  const FruitCloud fruit = Sphere(60000);
+  const FruitCloud fruit = SphereCloud(60000);
   const SkinMap map(fruit);
   const auto colours = MeasureDeviation(fruit, map, {});
   ASSERT_TRUE(colours.ok());
@@ -119,7 +119,7 @@ TEST(MeasureDeviation, TakesTheShadingOff) {
 }
 
 TEST(ClassifyPoints, EndsADefectWhereThePointsColourDoes) {
-  FruitCloud fruit = Sphere(100000);
+  FruitCloud fruit = SphereCloud(100000);
   const Eigen::Vector3f middle = Eigen::Vector3f(1, 0.3f, 0.2f).normalized();
   std::vector<std::uint8_t> truth;
   for (std::size_t i = 0; i < fruit.size(); ++i) {

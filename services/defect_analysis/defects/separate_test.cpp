@@ -13,7 +13,7 @@
 namespace drupe {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 FruitSurface Ball() {
   return FruitSurface(Eigen::Vector3d::Zero(), CubeTable<float>::Of(16, [](const Eigen::Vector3d&) { return 18.0f; }));
@@ -67,7 +67,7 @@ TEST(SeparateDefects, TellsABrownSpotFromABlackStripItTouches) {
   const Outline& first = found.outlines[0];
   const Outline& second = found.outlines[1];
   EXPECT_NEAR(SignedArea(first.polygon), 4.8 * 0.6, 0.1);
-  EXPECT_NEAR(SignedArea(second.polygon), kPi * 0.49, 0.05);
+  EXPECT_NEAR(SignedArea(second.polygon), pi * 0.49, 0.05);
   EXPECT_FALSE(first.completed);
   EXPECT_TRUE(second.completed);
 }
@@ -82,7 +82,7 @@ TEST(SeparateDefects, LeavesASpotWithADarkMiddleWhole) {
   const auto level = [](const Eigen::Vector2d& p) { return Disc(p, {0, 0}, 1.5); };
   const Outlines found = SeparateDefects(FieldOf(surface, level, change), 9, {});
   ASSERT_EQ(found.outlines.size(), 1u);
-  EXPECT_NEAR(SignedArea(found.outlines[0].polygon), kPi * 2.25, 0.05);
+  EXPECT_NEAR(SignedArea(found.outlines[0].polygon), pi * 2.25, 0.05);
 }
 
 // A broad brown patch with black blots along its rim, as decay has.
@@ -99,14 +99,14 @@ TEST(SeparateDefects, LeavesAPatchWithDarkBlotsOnItsRimWhole) {
   const auto level = [&](const Eigen::Vector2d& p) { return std::max(patch(p), blots(p)); };
   const Outlines found = SeparateDefects(FieldOf(surface, level, change), 9, {});
   ASSERT_EQ(found.outlines.size(), 1u);
-  EXPECT_GT(SignedArea(found.outlines[0].polygon), kPi * 2.2 * 2.2 - 0.1);
+  EXPECT_GT(SignedArea(found.outlines[0].polygon), pi * 2.2 * 2.2 - 0.1);
 }
 
 TEST(CommonArea, OfTwoDiscs) {
-  const Polygon a = ArcOf({0, 0}, 1, 0, 2 * kPi, 200), b = ArcOf({1, 0}, 1, 0, 2 * kPi, 200);
-  EXPECT_NEAR(CommonArea(a, b), 2 * kPi / 3 - std::sqrt(3.0) / 2, 0.02);
-  EXPECT_NEAR(CommonArea(a, ArcOf({0.2, 0}, 0.5, 0, 2 * kPi, 200)), kPi / 4, 0.02);
-  EXPECT_EQ(CommonArea(a, ArcOf({3, 0}, 1, 0, 2 * kPi, 200)), 0);
+  const Polygon a = ArcOf({0, 0}, 1, 0, 2 * pi, 200), b = ArcOf({1, 0}, 1, 0, 2 * pi, 200);
+  EXPECT_NEAR(CommonArea(a, b), 2 * pi / 3 - std::sqrt(3.0) / 2, 0.02);
+  EXPECT_NEAR(CommonArea(a, ArcOf({0.2, 0}, 0.5, 0, 2 * pi, 200)), pi / 4, 0.02);
+  EXPECT_EQ(CommonArea(a, ArcOf({3, 0}, 1, 0, 2 * pi, 200)), 0);
 }
 
 // Skin that is shaded to 0.4 of the defect's level on one side of a disc with a soft edge.
@@ -119,8 +119,8 @@ TEST(FollowLocalHalfway, IsNotMovedByShadeBesideTheDefect) {
   };
   const TransitionField field = FieldOf(surface, level, [](const Eigen::Vector2d&) { return Eigen::Vector3f::Zero(); });
   const Polygon outline = TraceBoundaries(field, 0.5, 0.3).at(0);
-  EXPECT_GT(SignedArea(outline), 1.06 * kPi);
-  EXPECT_NEAR(SignedArea(FollowLocalHalfway(field, outline, 0.5)) / kPi, 1, 0.03);
+  EXPECT_GT(SignedArea(outline), 1.06 * pi);
+  EXPECT_NEAR(SignedArea(FollowLocalHalfway(field, outline, 0.5)) / pi, 1, 0.03);
 }
 
 // A ball with a hollow 0.2 mm deep and 2 mm in radius.
@@ -130,7 +130,7 @@ TEST(MeasureDepth, OfAHollow) {
   fruit.observed_share = 1;
   constexpr int kPoints = 120000;
   for (int k = 0; k < kPoints; ++k) {
-    const double x = 1 - (2.0 * k + 1) / kPoints, azimuth = 2 * kPi * std::numbers::phi * k;
+    const double x = 1 - (2.0 * k + 1) / kPoints, azimuth = 2 * pi * std::numbers::phi * k;
     const double ring = std::sqrt(1 - x * x), away = 18 * std::acos(x);
     const double radius = 18 - 0.2 * std::clamp((2 - away) / 0.3, 0.0, 1.0);
     const Eigen::Vector3d direction(x, ring * std::cos(azimuth), ring * std::sin(azimuth));
@@ -140,11 +140,11 @@ TEST(MeasureDepth, OfAHollow) {
   }
   const SkinMap map(fruit);
   const SkinChart chart(fruit.surface, Eigen::Vector3d::UnitX());
-  const DefectDepth depth = MeasureDepth(fruit, map, chart, ArcOf({0, 0}, 2, 0, 2 * kPi, 100));
+  const DefectDepth depth = MeasureDepth(fruit, map, chart, ArcOf({0, 0}, 2, 0, 2 * pi, 100));
   EXPECT_NEAR(depth.mm, 0.2, 0.01);
   EXPECT_LT(depth.uncertainty_mm, 0.01);
   const DefectDepth level =
-      MeasureDepth(fruit, map, SkinChart(fruit.surface, Eigen::Vector3d::UnitZ()), ArcOf({0, 0}, 2, 0, 2 * kPi, 100));
+      MeasureDepth(fruit, map, SkinChart(fruit.surface, Eigen::Vector3d::UnitZ()), ArcOf({0, 0}, 2, 0, 2 * pi, 100));
   EXPECT_NEAR(level.mm, 0, 0.003);
 }
 

@@ -12,18 +12,18 @@
 namespace drupe {
 namespace {
 
-constexpr int kSectors = 8;
+constexpr int kEdgeSectors = 8;
 constexpr int kMostSoft = 1;                 // sectors that may lack the edge
-constexpr double kRoundRms = 0.1;            // of the outline about its smooth form, relative to its radius
+constexpr double kRoundStainRms = 0.1;       // of the outline about its smooth form, relative to its radius
 constexpr double kRoundStretch = 1.8;        // length over width
 constexpr double kElsewhere = 0.2;           // of the area, in further pieces
 constexpr double kNear = 0.15, kFar = 0.35;  // mm from the outline where the edge must have ended
 constexpr double kDeepest = 0.5;             // of the radius: not deeper inside than this
 constexpr double kInside = 0.7, kOutside = 0.3;
-constexpr int kSamples = 3;
+constexpr int kEdgeSamples = 3;
 
 struct SectorLevels {
-  std::array<double, kSectors> inside{}, outside{}, count{};
+  std::array<double, kEdgeSectors> inside{}, outside{}, count{};
 };
 
 SectorLevels LevelsBeside(const TransitionField& field, const Polygon& outline) {
@@ -34,12 +34,13 @@ SectorLevels LevelsBeside(const TransitionField& field, const Polygon& outline) 
     const double radius = offset.norm();
     if (radius < field.step) continue;
     const double turn = std::atan2(offset.y(), offset.x()) / (2 * std::numbers::pi) + 0.5;
-    const auto sector = static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1));
-    for (int k = 0; k < kSamples; ++k) {
-      const double at = kNear + (kFar - kNear) * k / (kSamples - 1);
+    const auto sector =
+        static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kEdgeSectors), 0, kEdgeSectors - 1));
+    for (int k = 0; k < kEdgeSamples; ++k) {
+      const double at = kNear + (kFar - kNear) * k / (kEdgeSamples - 1);
       const Eigen::Vector2d inner = p - std::min(at, kDeepest * radius) / radius * offset;
-      levels.inside[sector] += field.ValueAt(field.full_level, inner) / kSamples;
-      levels.outside[sector] += field.ValueAt(field.full_level, p + at / radius * offset) / kSamples;
+      levels.inside[sector] += field.ValueAt(field.full_level, inner) / kEdgeSamples;
+      levels.outside[sector] += field.ValueAt(field.full_level, p + at / radius * offset) / kEdgeSamples;
     }
     levels.count[sector] += 1;
   }
@@ -57,10 +58,10 @@ bool HasStainsEdge(const TransitionField& field, double level, double min_area) 
   const double area = SignedArea(outlines[0]);
   if (elsewhere > kElsewhere * area || ShapeOf(outlines[0], area, 0).elongation > kRoundStretch) return false;
   const auto round = CompleteOutline(outlines[0]);
-  if (!round || round->rms > kRoundRms) return false;
+  if (!round || round->rms > kRoundStainRms) return false;
   const SectorLevels levels = LevelsBeside(field, outlines[0]);
   int soft = 0;
-  for (std::size_t k = 0; k < kSectors; ++k) {
+  for (std::size_t k = 0; k < kEdgeSectors; ++k) {
     const double count = std::max(1.0, levels.count[k]);
     const bool sharp = levels.inside[k] / count >= kInside && std::abs(levels.outside[k] / count) <= kOutside;
     soft += sharp ? 0 : 1;

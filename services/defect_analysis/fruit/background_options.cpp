@@ -1,24 +1,17 @@
 #include "defect_analysis/fruit/background_options.h"
 
 #include "base/ids.h"
+#include "base/option_check.h"
 #include "base/option_reader.h"
 
 namespace drupe {
-namespace {
-
-Status Refuse(const char* field, const char* range) {
-  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
-}
-
-}  // namespace
-
 Status BackgroundOptions::Check() const {
   if (model != "default" && model != "none" && !IsId(model, "mdl")) {
-    return Refuse("background.model", "default, none, or the id of a trained model (mdl_...)");
+    return RefuseOption("background.model", "default, none, or the id of a trained model (mdl_...)");
   }
-  if (!(known_share >= 0.5 && known_share <= 1)) return Refuse("background.known_share", "0.5 to 1");
-  if (!(doubt_mm >= 0 && doubt_mm <= 10)) return Refuse("background.doubt_mm", "0 to 10");
-  if (!(doubt_sigma >= 0 && doubt_sigma <= 100)) return Refuse("background.doubt_sigma", "0 to 100");
+  if (!(known_share >= 0.5 && known_share <= 1)) return RefuseOption("background.known_share", "0.5 to 1");
+  if (!(doubt_mm >= 0 && doubt_mm <= 10)) return RefuseOption("background.doubt_mm", "0 to 10");
+  if (!(doubt_sigma >= 0 && doubt_sigma <= 100)) return RefuseOption("background.doubt_sigma", "0 to 100");
   return Status::Ok();
 }
 

@@ -1,26 +1,22 @@
 #include "defect_analysis/fruit/fruit_options.h"
 
+#include "base/option_check.h"
+
 namespace drupe {
-namespace {
-
-Status Refuse(const char* field, const char* range) {
-  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
-}
-
-}  // namespace
-
 Status FruitOptions::Check() const {
-  if (!(board_clearance_mm >= 0 && board_clearance_mm <= 50)) return Refuse("fruit.board_clearance_mm", "0 to 50");
-  if (!(voxel_mm >= 0.1 && voxel_mm <= 10)) return Refuse("fruit.voxel_mm", "0.1 to 10");
-  if (!(min_diameter_mm > 0)) return Refuse("fruit.min_diameter_mm", "greater than 0");
-  if (!(max_diameter_mm > min_diameter_mm)) return Refuse("fruit.max_diameter_mm", "greater than min_diameter_mm");
-  if (!(nominal_diameter_mm > 0)) return Refuse("fruit.nominal_diameter_mm", "greater than 0");
-  if (min_points < 100) return Refuse("fruit.min_points", "at least 100");
-  if (!(min_observed_share >= 0 && min_observed_share <= 1)) return Refuse("fruit.min_observed_share", "0 to 1");
-  if (!(max_shape_residual > 0 && max_shape_residual <= 1)) return Refuse("fruit.max_shape_residual", "0 to 1");
-  if (surface_degree < 2 || surface_degree > 24) return Refuse("fruit.surface_degree", "2 to 24");
-  if (!(outlier_distance_mm > 0)) return Refuse("fruit.outlier_distance_mm", "greater than 0");
-  if (max_fruits < 1 || max_fruits > 1000) return Refuse("fruit.max_fruits", "1 to 1000");
+  if (!(board_clearance_mm >= 0 && board_clearance_mm <= 50))
+    return RefuseOption("fruit.board_clearance_mm", "0 to 50");
+  if (!(voxel_mm >= 0.1 && voxel_mm <= 10)) return RefuseOption("fruit.voxel_mm", "0.1 to 10");
+  if (!(min_diameter_mm > 0)) return RefuseOption("fruit.min_diameter_mm", "greater than 0");
+  if (!(max_diameter_mm > min_diameter_mm))
+    return RefuseOption("fruit.max_diameter_mm", "greater than min_diameter_mm");
+  if (!(nominal_diameter_mm > 0)) return RefuseOption("fruit.nominal_diameter_mm", "greater than 0");
+  if (min_points < 100) return RefuseOption("fruit.min_points", "at least 100");
+  if (!(min_observed_share >= 0 && min_observed_share <= 1)) return RefuseOption("fruit.min_observed_share", "0 to 1");
+  if (!(max_shape_residual > 0 && max_shape_residual <= 1)) return RefuseOption("fruit.max_shape_residual", "0 to 1");
+  if (surface_degree < 2 || surface_degree > 24) return RefuseOption("fruit.surface_degree", "2 to 24");
+  if (!(outlier_distance_mm > 0)) return RefuseOption("fruit.outlier_distance_mm", "greater than 0");
+  if (max_fruits < 1 || max_fruits > 1000) return RefuseOption("fruit.max_fruits", "1 to 1000");
   return Status::Ok();
 }
 

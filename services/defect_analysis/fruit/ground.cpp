@@ -8,13 +8,13 @@
 namespace drupe {
 namespace {
 
-constexpr int kSample = 4000;
+constexpr int kGroundSample = 4000;
 constexpr int kTrials = 300;
 constexpr double kDistanceShare = 0.005;  // of the cloud's diagonal
 constexpr double kMinShare = 0.125;
 
 std::vector<Eigen::Vector3d> Sample(const PointCloud& cloud) {
-  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kSample);
+  const std::size_t step = std::max<std::size_t>(1, cloud.size() / kGroundSample);
   std::vector<Eigen::Vector3d> sample;
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     if (cloud.positions[i].allFinite()) sample.push_back(cloud.positions[i].cast<double>());

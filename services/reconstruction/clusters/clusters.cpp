@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/option_check.h"
 #include "reconstruction/clusters/normalised_cut.h"
 #include "reconstruction/clusters/overlap.h"
 
@@ -13,11 +14,6 @@ namespace drupe {
 namespace {
 
 using PairSet = std::set<std::pair<int, int>>;
-
-Status CheckRange(bool ok, const char* field, const char* range) {
-  if (ok) return Status::Ok();
-  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
-}
 
 Status CheckGraph(const SimilarityGraph& graph) {
   const std::size_t n = graph.image_count < 0 ? 0 : graph.image_count;
@@ -65,11 +61,12 @@ int CoreSizeOf(const ViewClusterOptions& options) {
 }
 
 Status ViewClusterOptions::Check() const {
-  DRUPE_RETURN_IF_ERROR(CheckRange(max_cluster_size >= 3 && max_cluster_size <= 1000, "max_cluster_size", "3 to 1000"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(min_overlap >= 0 && min_overlap <= 1, "min_overlap", "0 to 1"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(exhaustive_max_images >= 0, "exhaustive_max_images", "0 or more"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(sequence_window >= 0 && sequence_window <= 100, "sequence_window", "0 to 100"));
-  return CheckRange(links_per_image >= 1 && links_per_image <= 100, "links_per_image", "1 to 100");
+  DRUPE_RETURN_IF_ERROR(
+      CheckOption(max_cluster_size >= 3 && max_cluster_size <= 1000, "max_cluster_size", "3 to 1000"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(min_overlap >= 0 && min_overlap <= 1, "min_overlap", "0 to 1"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(exhaustive_max_images >= 0, "exhaustive_max_images", "0 or more"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(sequence_window >= 0 && sequence_window <= 100, "sequence_window", "0 to 100"));
+  return CheckOption(links_per_image >= 1 && links_per_image <= 100, "links_per_image", "1 to 100");
 }
 
 Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ViewClusterOptions& options,

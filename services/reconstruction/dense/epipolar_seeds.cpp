@@ -12,7 +12,7 @@ constexpr float kLeastResponse = 4.0f;                        ///< grey levels s
 constexpr double kMostOffLine = 2;                            ///< pixels
 constexpr std::size_t kMostNeighbours = 4, kMostGuesses = 6;  ///< of a corner
 constexpr int kNear = 3;                                      ///< cells around a corner that must be empty
-constexpr float kUnknownDepth = 1e3f;                         ///< pixels of parallax: no prior
+constexpr float kNoPrior = 1e3f;                              ///< pixels of parallax: no prior
 
 float Grey(const SampledImage& image, int x, int y) {
   return static_cast<float>(image.pairs[static_cast<std::ptrdiff_t>(y) * image.stride + x] & 0xFFFF) / 256.0f;
@@ -100,7 +100,7 @@ bool AddGuesses(const LevelContext& context, int reference, const Eigen::Vector2
   for (const Eigen::Vector3d& normal : LikelyNormals(scene, reference, position)) {
     PatchCell plane = FromWorld(view, camera, {position, normal});
     plane.w += static_cast<float>((map.Pixel(col) - corner.x()) * plane.wu + (map.Pixel(row) - corner.y()) * plane.wv);
-    plane.sigma = kUnknownDepth;
+    plane.sigma = kNoPrior;
     if (plane.w > 0) guesses->push_back({row * map.cols + col, plane});
   }
   return true;

@@ -17,7 +17,7 @@ constexpr std::size_t kShadingPoints = 20'000;  ///< points that the shading is 
 constexpr double kLeastShare = 0.75;            ///< a view's score against the best: beyond it the skin is seen aslant
 constexpr double kLeastShareElsewhere = 0.4;    ///< the same where the owner's own look cannot be trusted
 constexpr float kBrighter = 0.06f, kDarker = 0.12f;  ///< logarithmic green, from the median
-constexpr float kTolerance = 2.0f;                   ///< pixels of parallax, for visibility
+constexpr float kSightTolerance = 2.0f;              ///< pixels of parallax, for visibility
 constexpr float kSaturated = 252.0f;
 constexpr int kMaxLooks = 1 + 16;
 
@@ -57,7 +57,7 @@ void AddLook(const LevelContext& context, const std::vector<PatchMap>& maps, int
   Eigen::Array3f rgb;
   if (in_cam.z() <= 0 || !SampleRgb(camera_view, camera_view.camera.Pixel(in_cam), &rgb)) return;
   if (rgb.maxCoeff() > kSaturated) return;
-  if (check_sight && LookAt(context, view, maps[view], element, kTolerance) == Sight::kOccluded) return;
+  if (check_sight && LookAt(context, view, maps[view], element, kSightTolerance) == Sight::kOccluded) return;
   Look& look = looks->items[looks->count++];
   look.log_colour = (rgb + 1.0f).log();
   look.normal_in_cam = (camera_view.cam_from_world.rotation * element.normal).cast<float>();

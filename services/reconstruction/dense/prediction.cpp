@@ -7,7 +7,7 @@ namespace drupe::dense {
 
 namespace {
 
-constexpr float kSameSurface = 1.0f;  ///< pixels of parallax between planes that are blended
+constexpr float kBlendParallax = 1.0f;  ///< pixels of parallax between planes that are blended
 
 /// A weighted sum of planes about one pixel.
 struct Blend {
@@ -15,7 +15,7 @@ struct Blend {
   float weight = 0;
 
   void Add(const PatchCell& cell, float w, float share, float unit) {
-    if (weight > 0 && std::abs(w - plane.w / weight) > kSameSurface * unit) return;
+    if (weight > 0 && std::abs(w - plane.w / weight) > kBlendParallax * unit) return;
     plane.w += share * w;
     plane.wu += share * cell.wu;
     plane.wv += share * cell.wv;

@@ -7,7 +7,7 @@ namespace drupe::dense {
 
 namespace {
 
-constexpr std::size_t kLeastSamples = 1000;
+constexpr std::size_t kLeastShadedSamples = 1000;
 constexpr int kIterations = 8;
 constexpr double kScale = 0.08;  ///< of the logarithmic residuals that count in full (Cauchy weights)
 
@@ -24,7 +24,7 @@ Basis BasisAt(const Eigen::Vector3d& n) {
 
 ShadingModel ShadingModel::Fit(const std::vector<ShadingSample>& samples) {
   ShadingModel model;
-  if (samples.size() < kLeastSamples) return model;
+  if (samples.size() < kLeastShadedSamples) return model;
   Eigen::Matrix<double, 9, 3> solution = Eigen::Matrix<double, 9, 3>::Zero();
   Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
   for (int iteration = 0; iteration < kIterations; ++iteration) {

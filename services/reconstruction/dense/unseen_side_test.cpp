@@ -8,7 +8,7 @@ namespace drupe::dense {
 namespace {
 
 const Eigen::Vector3f kMiddle(3, -2, 30);
-constexpr float kRadius = 10;
+constexpr float kCutRadius = 10;
 
 /// Points on a ball about `middle`, without those below `lowest` radii.
 PointCloud Ball(const Eigen::Vector3f& middle, double lowest) {
@@ -18,7 +18,7 @@ PointCloud Ball(const Eigen::Vector3f& middle, double lowest) {
     const double z = 1 - 2 * (i + 0.5) / kCount, turn = 2.399963 * i, r = std::sqrt(1 - z * z);
     if (z < lowest) continue;
     cloud.normals.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
-    cloud.positions.push_back(middle + kRadius * cloud.normals.back());
+    cloud.positions.push_back(middle + kCutRadius * cloud.normals.back());
   }
   return cloud;
 }
@@ -30,10 +30,10 @@ TEST(GuessUnseenSide, ContinuesTheSkin) {
   float lowest = 1;
   for (std::size_t i = 0; i < guessed.size(); ++i) {
     const Eigen::Vector3f out = guessed.positions[i] - kMiddle;
-    ASSERT_NEAR(out.norm(), kRadius, 0.05f);
+    ASSERT_NEAR(out.norm(), kCutRadius, 0.05f);
     ASSERT_GT(guessed.normals[i].dot(out.normalized()), 0.999f);
-    ASSERT_LT(out.z(), -0.6f * kRadius);
-    lowest = std::min(lowest, out.z() / kRadius);
+    ASSERT_LT(out.z(), -0.6f * kCutRadius);
+    lowest = std::min(lowest, out.z() / kCutRadius);
   }
   EXPECT_LT(lowest, -0.99f);
 }

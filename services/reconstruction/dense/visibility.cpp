@@ -69,7 +69,7 @@ bool IsConfirmed(const LevelContext& context, int reference, const std::vector<P
 /// of one surface the patch with the better NCC.
 void BorrowFrom(const LevelContext& context, int reference, int neighbour, const std::vector<PatchMap>& maps,
                 PatchMap* filled) {
-  constexpr float kSameSurface = 2.0f;  // pixels of parallax
+  constexpr float kSameSight = 2.0f;  // pixels of parallax
   const PatchMap& own = maps[reference];
   for (std::size_t i = 0; i < maps[neighbour].cells.size(); ++i) {
     if (!maps[neighbour].cells[i].Filled()) continue;
@@ -77,8 +77,8 @@ void BorrowFrom(const LevelContext& context, int reference, int neighbour, const
     if (!seen) continue;
     PatchCell& cell = filled->cells[seen->cell];
     const float nearer = (seen->plane.w - cell.w) / own.unit;
-    const bool better = nearer > -kSameSurface && seen->plane.ncc > cell.ncc;
-    if (!cell.Filled() || nearer > kSameSurface || better) cell = seen->plane;
+    const bool better = nearer > -kSameSight && seen->plane.ncc > cell.ncc;
+    if (!cell.Filled() || nearer > kSameSight || better) cell = seen->plane;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/option_check.h"
 #include "reconstruction/features/budget.h"
 #include "reconstruction/features/descriptor.h"
 #include "reconstruction/features/extrema.h"
@@ -14,11 +15,6 @@ namespace {
 constexpr int kMinSide = 16;
 /// Keypoints described between two looks at the context.
 constexpr std::size_t kCancelInterval = 1000;
-
-Status CheckRange(bool ok, const char* field, const char* range) {
-  if (ok) return Status::Ok();
-  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
-}
 
 Status CheckInput(const GrayImage& image, const GrayImage* mask) {
   if (std::min(image.width(), image.height()) < kMinSide) {
@@ -46,17 +42,17 @@ void AddKeypoints(const Octave& octave, const Extremum& extremum, int max_orient
 
 Status FeatureOptions::Check() const {
   const int octave = first_octave.value_or(0);
-  DRUPE_RETURN_IF_ERROR(CheckRange(octave >= -1 && octave <= 4, "first_octave", "-1 to 4"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(doubling_max_pixels >= 0, "doubling_max_pixels", "0 or more"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(max_octaves >= 1 && max_octaves <= 16, "max_octaves", "1 to 16"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(scales_per_octave >= 1 && scales_per_octave <= 5, "scales_per_octave", "1 to 5"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(base_sigma >= 1.2 && base_sigma <= 2.4, "base_sigma", "1.2 to 2.4"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(input_sigma >= 0 && input_sigma < 0.6, "input_sigma", "0 to 0.6"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(peak_threshold > 0 && peak_threshold < 1, "peak_threshold", "between 0 and 1"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(edge_threshold > 1, "edge_threshold", "larger than 1"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(max_orientations >= 1 && max_orientations <= 4, "max_orientations", "1 to 4"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(max_features >= 1 && max_features <= 1'000'000, "max_features", "1 to 1000000"));
-  return CheckRange(grid_cell_px >= 8 && grid_cell_px <= 4096, "grid_cell_px", "8 to 4096");
+  DRUPE_RETURN_IF_ERROR(CheckOption(octave >= -1 && octave <= 4, "first_octave", "-1 to 4"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(doubling_max_pixels >= 0, "doubling_max_pixels", "0 or more"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(max_octaves >= 1 && max_octaves <= 16, "max_octaves", "1 to 16"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(scales_per_octave >= 1 && scales_per_octave <= 5, "scales_per_octave", "1 to 5"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(base_sigma >= 1.2 && base_sigma <= 2.4, "base_sigma", "1.2 to 2.4"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(input_sigma >= 0 && input_sigma < 0.6, "input_sigma", "0 to 0.6"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(peak_threshold > 0 && peak_threshold < 1, "peak_threshold", "between 0 and 1"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(edge_threshold > 1, "edge_threshold", "larger than 1"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(max_orientations >= 1 && max_orientations <= 4, "max_orientations", "1 to 4"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(max_features >= 1 && max_features <= 1'000'000, "max_features", "1 to 1000000"));
+  return CheckOption(grid_cell_px >= 8 && grid_cell_px <= 4096, "grid_cell_px", "8 to 4096");
 }
 
 Result<Features> RunFeatures(const GrayImage& image, const FeatureOptions& options, const RunContext& context,

@@ -12,7 +12,7 @@ namespace {
 /// cache.
 constexpr int kBandRows = 64;
 /// An octave smaller than this has no room for a descriptor.
-constexpr int kMinSide = 16;
+constexpr int kMinOctaveSide = 16;
 
 /// The picture at twice the size, bilinear; sample (2x, 2y) is pixel (x, y).
 GrayImage Doubled(const GrayImage& image) {
@@ -128,7 +128,7 @@ Result<std::vector<Octave>> BuildScaleSpace(const GrayImage& image, const Featur
   DRUPE_RETURN_IF_ERROR(BuildFirst(image, FirstOctave(image, options), options, builder, octaves[0]));
   for (int i = 1; i < options.max_octaves; ++i) {
     const Octave& above = octaves.back();
-    if (std::min(above.width(), above.height()) / 2 < kMinSide) break;
+    if (std::min(above.width(), above.height()) / 2 < kMinOctaveSide) break;
     Octave octave;
     octave.pixel_step = above.pixel_step * 2;
     octave.levels.push_back(Halved(above.levels[options.scales_per_octave]));

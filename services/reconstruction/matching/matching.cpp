@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "base/option_check.h"
 #include "base/parallel.h"
 #include "reconstruction/matching/pair_matcher.h"
 #include "reconstruction/matching/prepared_picture.h"
@@ -13,11 +14,6 @@
 
 namespace drupe {
 namespace {
-
-Status CheckRange(bool ok, const char* field, const char* range) {
-  if (ok) return Status::Ok();
-  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
-}
 
 Status CheckPairs(const ViewClusters& clusters, std::size_t image_count) {
   for (const ImagePair& pair : clusters.pairs) {
@@ -47,19 +43,19 @@ Result<std::vector<std::vector<std::uint8_t>>> StaticOrNone(std::span<const Feat
 }  // namespace
 
 Status MatchingOptions::Check() const {
-  DRUPE_RETURN_IF_ERROR(CheckRange(max_ratio > 0 && max_ratio <= 1, "max_ratio", "above 0 and up to 1"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(max_error_px > 0 && max_error_px <= 100, "max_error_px", "above 0 and up to 100"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(confidence > 0 && confidence < 1, "confidence", "between 0 and 1"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(max_ratio > 0 && max_ratio <= 1, "max_ratio", "above 0 and up to 1"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(max_error_px > 0 && max_error_px <= 100, "max_error_px", "above 0 and up to 100"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(confidence > 0 && confidence < 1, "confidence", "between 0 and 1"));
   DRUPE_RETURN_IF_ERROR(
-      CheckRange(max_iterations >= 1 && max_iterations <= 1'000'000, "max_iterations", "1 to 1000000"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(min_inliers >= 5, "min_inliers", "5 or more"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(min_angle_deg >= 0 && min_angle_deg < 90, "min_angle_deg", "0 up to 90"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(exhaustive_features >= 0, "exhaustive_features", "0 or more"));
+      CheckOption(max_iterations >= 1 && max_iterations <= 1'000'000, "max_iterations", "1 to 1000000"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(min_inliers >= 5, "min_inliers", "5 or more"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(min_angle_deg >= 0 && min_angle_deg < 90, "min_angle_deg", "0 up to 90"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(exhaustive_features >= 0, "exhaustive_features", "0 or more"));
   DRUPE_RETURN_IF_ERROR(
-      CheckRange(guided_max_ratio > 0 && guided_max_ratio <= 1, "guided_max_ratio", "above 0 and up to 1"));
+      CheckOption(guided_max_ratio > 0 && guided_max_ratio <= 1, "guided_max_ratio", "above 0 and up to 1"));
   DRUPE_RETURN_IF_ERROR(
-      CheckRange(static_radius_px > 0 && static_radius_px <= 100, "static_radius_px", "above 0 and up to 100"));
-  return CheckRange(static_min_share > 0 && static_min_share <= 1, "static_min_share", "above 0 and up to 1");
+      CheckOption(static_radius_px > 0 && static_radius_px <= 100, "static_radius_px", "above 0 and up to 100"));
+  return CheckOption(static_min_share > 0 && static_min_share <= 1, "static_min_share", "above 0 and up to 1");
 }
 
 Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,

@@ -15,9 +15,9 @@ namespace drupe {
 namespace {
 
 /// Random numbers that are the same on every machine.
-class Random {
+class SceneRandom {
  public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  explicit SceneRandom(std::uint64_t seed) : engine_(seed) {}
   double Uniform(double low, double high) {
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
   }
@@ -35,7 +35,7 @@ Rigid3 Turn() {
 }
 
 /// Pairs of points at depths of 4 to 8 baselines; with `plane_share`, that many of 1 lie in one plane.
-std::vector<PointPair> DrawPairs(int count, double plane_share, double noise, Random& random) {
+std::vector<PointPair> DrawPairs(int count, double plane_share, double noise, SceneRandom& random) {
   std::vector<PointPair> pairs;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d first(random.Uniform(-0.3, 0.3), random.Uniform(-0.2, 0.2));
@@ -53,7 +53,7 @@ double RotationError(const Rigid3& a, const Rigid3& b) {
 }
 
 TEST(FivePointTest, OneOfTheSolutionsIsTheTruth) {
-  Random random(3);
+  SceneRandom random(3);
   const Eigen::Matrix3d truth = EssentialFromPose(Turn()).normalized();
   for (int trial = 0; trial < 50; ++trial) {
     const std::vector<PointPair> pairs = DrawPairs(5, 0, 0, random);
@@ -68,7 +68,7 @@ TEST(FivePointTest, OneOfTheSolutionsIsTheTruth) {
 }
 
 TEST(FivePointTest, SolutionsAreEssentialAndFitTheSample) {
-  Random random(4);
+  SceneRandom random(4);
   const std::vector<PointPair> pairs = DrawPairs(5, 0, 0.01, random);
   std::array<PointPair, 5> sample;
   std::copy(pairs.begin(), pairs.end(), sample.begin());
@@ -89,7 +89,7 @@ TEST(FivePointTest, RepeatedPointsGiveNoNonsense) {
 }
 
 TEST(RelativePoseTest, SurvivesHalfOutliers) {
-  Random random(5);
+  SceneRandom random(5);
   std::vector<PointPair> pairs = DrawPairs(300, 0, 2e-4, random);
   for (int i = 0; i < 150; ++i) pairs[i].second = {random.Uniform(-0.3, 0.3), random.Uniform(-0.2, 0.2)};
   const auto pose = EstimateRelativePose(pairs, {1e-3, 0.9999, 2000, 1});
@@ -102,7 +102,7 @@ TEST(RelativePoseTest, SurvivesHalfOutliers) {
 }
 
 TEST(RelativePoseTest, IsTheSameForTheSameSeed) {
-  Random random(6);
+  SceneRandom random(6);
   const std::vector<PointPair> pairs = DrawPairs(80, 0, 1e-3, random);
   const RansacOptions options{1e-3, 0.99, 500, 42};
   const auto a = EstimateRelativePose(pairs, options), b = EstimateRelativePose(pairs, options);
@@ -112,12 +112,12 @@ TEST(RelativePoseTest, IsTheSameForTheSameSeed) {
 }
 
 TEST(RelativePoseTest, NeedsFivePairs) {
-  Random random(7);
+  SceneRandom random(7);
   EXPECT_FALSE(EstimateRelativePose(DrawPairs(4, 0, 0, random), {1e-3, 0.99, 100, 1}).has_value());
 }
 
 TEST(HomographyTest, ShareTellsAPlaneFromASolid) {
-  Random random(8);
+  SceneRandom random(8);
   const auto plane = EstimateHomography(DrawPairs(200, 1, 1e-4, random), 1e-3, 1);
   const auto mixed = EstimateHomography(DrawPairs(200, 0.7, 1e-4, random), 1e-3, 1);
   const auto solid = EstimateHomography(DrawPairs(200, 0, 1e-4, random), 1e-3, 1);
@@ -129,7 +129,7 @@ TEST(HomographyTest, ShareTellsAPlaneFromASolid) {
 }
 
 TEST(HomographyTest, OneOfThePlanesPosesIsTheTruth) {
-  Random random(9);
+  SceneRandom random(9);
   const auto plane = EstimateHomography(DrawPairs(100, 1, 0, random), 1e-6, 1);
   ASSERT_TRUE(plane.has_value());
   const std::vector<Rigid3> poses = PosesFromHomography(plane->matrix);

@@ -4,17 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "base/option_check.h"
 #include "base/parallel.h"
 #include "reconstruction/similarity/fisher_vector.h"
 #include "reconstruction/similarity/word_model.h"
 
 namespace drupe {
 namespace {
-
-Status CheckRange(bool ok, const char* field, const char* range) {
-  if (ok) return Status::Ok();
-  return InvalidArgument("invalid_option", std::string(field) + " must be " + range, field);
-}
 
 /// Distances of all pairs; pictures without features are 2, the largest distance unit vectors can have, from all
 /// others.
@@ -40,12 +36,12 @@ SimilarityGraph GraphOf(const std::vector<Eigen::VectorXf>& fisher) {
 }  // namespace
 
 Status SimilarityOptions::Check() const {
-  DRUPE_RETURN_IF_ERROR(CheckRange(gaussians >= 1 && gaussians <= 1024, "gaussians", "1 to 1024"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(gaussians >= 1 && gaussians <= 1024, "gaussians", "1 to 1024"));
   DRUPE_RETURN_IF_ERROR(
-      CheckRange(pca_dimensions >= 1 && pca_dimensions <= Features::kDimension, "pca_dimensions", "1 to 128"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(training_descriptors >= 1000, "training_descriptors", "1000 or more"));
-  DRUPE_RETURN_IF_ERROR(CheckRange(em_iterations >= 1 && em_iterations <= 1000, "em_iterations", "1 to 1000"));
-  return CheckRange(descriptors_per_image >= 100, "descriptors_per_image", "100 or more");
+      CheckOption(pca_dimensions >= 1 && pca_dimensions <= Features::kDimension, "pca_dimensions", "1 to 128"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(training_descriptors >= 1000, "training_descriptors", "1000 or more"));
+  DRUPE_RETURN_IF_ERROR(CheckOption(em_iterations >= 1 && em_iterations <= 1000, "em_iterations", "1 to 1000"));
+  return CheckOption(descriptors_per_image >= 100, "descriptors_per_image", "100 or more");
 }
 
 Result<SimilarityGraph> RunSimilarity(std::span<const Features> features, const SimilarityOptions& options,

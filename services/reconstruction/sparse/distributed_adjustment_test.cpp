@@ -12,11 +12,6 @@ namespace drupe {
 namespace {
 
 /// Arcs of eight views of a ring of 24, each of which shares two with the next.
-const std::vector<std::vector<int>> kArcs = {{0, 1, 2, 3, 4, 5, 6, 7},
-                                             {6, 7, 8, 9, 10, 11, 12, 13},
-                                             {12, 13, 14, 15, 16, 17, 18, 19},
-                                             {0, 1, 18, 19, 20, 21, 22, 23}};
-
 /// The ring with poses a little off the truth and tracks triangulated from them.
 SfmState Disturbed(const SyntheticScene& scene, bool is_metric) {
   SfmState state = MakeSfmState(scene.Input(is_metric));

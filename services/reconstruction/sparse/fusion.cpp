@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kMinInliers = 12;
 constexpr double kMinInlierShare = 0.4;
-constexpr double kMinAngleRad = 0.02;      // of a track's rays, for the tolerance of its position
-constexpr double kCentreTolerance = 0.02;  // of a camera's distance from what it sees
+constexpr double kMinTrackAngleRad = 0.02;  // of a track's rays, for the tolerance of its position
+constexpr double kCentreTolerance = 0.02;   // of a camera's distance from what it sees
 
 /// The distance by which a track's position may be off when its observations are off by `error_px`: in depth, which its
 /// rays fix worst.
@@ -27,7 +27,7 @@ double ToleranceOf(const SfmState& state, const SfmTrack& track, double error_px
     last = ray;
   }
   const double angle = std::atan2(first.cross(last).norm(), first.dot(last));
-  return error_px / state.FocalPx() * last.norm() / std::max(kMinAngleRad, angle);
+  return error_px / state.FocalPx() * last.norm() / std::max(kMinTrackAngleRad, angle);
 }
 
 std::vector<FramePair> SharedPoints(const ClusterModel& a, const ClusterModel& b, double error_px) {

@@ -10,11 +10,6 @@
 namespace drupe {
 namespace {
 
-const std::vector<std::vector<int>> kArcs = {{0, 1, 2, 3, 4, 5, 6, 7},
-                                             {6, 7, 8, 9, 10, 11, 12, 13},
-                                             {12, 13, 14, 15, 16, 17, 18, 19},
-                                             {0, 1, 18, 19, 20, 21, 22, 23}};
-
 /// What cluster `c` would find: the truth in a frame and scale of its own.
 ClusterModel TrueModel(const SyntheticScene& scene, const SfmState& whole, int c) {
   ClusterModel model = RestrictTo(whole, kArcs[c]);

@@ -7,9 +7,9 @@
 namespace drupe {
 namespace {
 
-constexpr std::size_t kMinTracks = 50;  // of a view, for its depths to mean anything
-constexpr double kOuterShare = 0.01;    // at either end
-constexpr double kWidening = 0.5;       // of the range, at either end
+constexpr std::size_t kMinViewTracks = 50;  // of a view, for its depths to mean anything
+constexpr double kOuterShare = 0.01;        // at either end
+constexpr double kWidening = 0.5;           // of the range, at either end
 
 /// Inverse depths between which a view's scene lies.
 struct DepthRange {
@@ -27,7 +27,7 @@ std::ptrdiff_t CountActive(const SfmState& state, const SfmTrack& track) {
 }
 
 DepthRange RangeOf(std::vector<double> inverse_depths) {
-  if (inverse_depths.size() < kMinTracks) return {};
+  if (inverse_depths.size() < kMinViewTracks) return {};
   const auto outer = static_cast<std::ptrdiff_t>(kOuterShare * static_cast<double>(inverse_depths.size()));
   std::sort(inverse_depths.begin(), inverse_depths.end());
   const double low = *(inverse_depths.begin() + outer), high = *(inverse_depths.end() - 1 - outer);

@@ -169,4 +169,10 @@ struct SyntheticScene {
   std::mt19937 random_;
 };
 
+/// Views of a ring of 24 in four clusters that share two views with their neighbours.
+inline const std::vector<std::vector<int>> kArcs = {{0, 1, 2, 3, 4, 5, 6, 7},
+                                                    {6, 7, 8, 9, 10, 11, 12, 13},
+                                                    {12, 13, 14, 15, 16, 17, 18, 19},
+                                                    {0, 1, 18, 19, 20, 21, 22, 23}};
+
 }  // namespace drupe

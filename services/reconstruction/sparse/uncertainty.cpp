@@ -13,7 +13,7 @@ namespace drupe {
 namespace {
 
 constexpr double kScaleSigma = 1e-7;  // relative; what holds the scale of a model without a board
-constexpr double kMinNoisePx = 1e-3;
+constexpr double kNoiseFloorPx = 1e-3;
 
 /// Root of a variance; 0, not known, where rounding or a degenerate place has left none.
 double RootOf(double variance) {
@@ -44,8 +44,8 @@ AdjustmentOptions WeightsFrom(const SfmState& state, const NoiseLevels& noise, A
     return std::sqrt(equations / std::max(0.1 * equations, equations - parameters));
   };
   const double feature_parameters = 3 * tracks + (state.is_metric ? 0 : pose_parameters);
-  options.feature_sigma_px = std::max(kMinNoisePx, noise.feature_px);
-  options.board_sigma_px = std::max(kMinNoisePx, noise.board_px);
+  options.feature_sigma_px = std::max(kNoiseFloorPx, noise.feature_px);
+  options.board_sigma_px = std::max(kNoiseFloorPx, noise.board_px);
   if (observations > 0) options.feature_sigma_px *= widening(2 * observations, feature_parameters);
   if (corners > 0) options.board_sigma_px *= widening(2 * corners, pose_parameters);
   return options;
