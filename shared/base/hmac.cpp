@@ -6,6 +6,8 @@
 #include <array>
 #include <new>
 
+#include "base/hex.h"
+
 namespace drupe {
 
 std::string HmacSha256Hex(std::string_view key, std::string_view message) {
@@ -16,14 +18,7 @@ std::string HmacSha256Hex(std::string_view key, std::string_view message) {
       nullptr) {
     throw std::bad_alloc();
   }
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string hex;
-  hex.reserve(2 * std::size_t{size});
-  for (unsigned int i = 0; i < size; ++i) {
-    hex.push_back(kDigits[mac[i] >> 4]);
-    hex.push_back(kDigits[mac[i] & 15]);
-  }
-  return hex;
+  return HexOf(std::span(mac).first(size));
 }
 
 }  // namespace drupe
