@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "base/hex.h"
 #include "base/ids.h"
 #include "base/log.h"
 #include "store/object_files.h"
@@ -19,8 +20,7 @@ constexpr std::int64_t kForgottenUploadNs = std::int64_t{24} * 3600 * 1'000'000'
 
 /// The 256 directories "00".."ff" that objects are spread over.
 std::string FanOutName(unsigned byte) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  return {kDigits[byte >> 4], kDigits[byte & 15]};
+  return HexOf(std::array{static_cast<unsigned char>(byte)});
 }
 
 Status ObjectNotFound(std::string_view sha256) {
@@ -134,8 +134,10 @@ Status DiskObjectStore::SweepUploads() {
   DRUPE_ASSIGN_OR_RETURN(const std::vector<std::string> names, file_system_.List(directory_ / kUploadFolder));
   const std::int64_t oldest_ns = Clock::System().NowMs() * 1'000'000 - kForgottenUploadNs;
   for (const std::string& name : names) {
-    DRUPE_ASSIGN_OR_RETURN(const auto file, file_system_.Open(directory_ / kUploadFolder / name));
-    DRUPE_ASSIGN_OR_RETURN(const FileInfo info, file->Info());
+    const auto file = file_system_.Open(directory_ / kUploadFolder / name);
+    if (!file.ok() && file.status().kind() == StatusKind::kNotFound) continue;  // another process has just finished it
+    DRUPE_RETURN_IF_ERROR(file.status());
+    DRUPE_ASSIGN_OR_RETURN(const FileInfo info, (*file)->Info());
     if (info.modified_ns >= oldest_ns) continue;
     DRUPE_RETURN_IF_ERROR(file_system_.RemoveIfAbandoned(directory_ / kUploadFolder / name).status());
   }

@@ -76,6 +76,23 @@ TEST_F(ObjectUploadTest, SweepsUploadsThatNobodyHasGoneOnWithForADay) {
   EXPECT_EQ(Uploaded(pear), 1u);
 }
 
+/// Lists an upload that is gone when it is looked at, as when another process finishes it just then.
+class LateListing : public SimulatedFileSystem {
+ public:
+  using SimulatedFileSystem::SimulatedFileSystem;
+  Result<std::vector<std::string>> List(const std::filesystem::path& path) override {
+    auto names = SimulatedFileSystem::List(path);
+    if (path.filename() == "uploads") names->push_back(Sha256Hex("plum"));
+    return names;
+  }
+};
+
+TEST(ObjectUploadFaultTest, AnUploadThatEndsDuringTheSweepHindersNoStart) {
+  LateListing files("/data");
+  const auto store = DiskObjectStore::Open("/data/objects", {}, files);
+  EXPECT_TRUE(store.ok()) << store.status().message();
+}
+
 TEST(ObjectUploadFaultTest, APowerCutMakesNoTornObject) {
   const std::string plum = Sha256Hex("plum");
   for (int n = 0;; ++n) {
