@@ -33,6 +33,7 @@ Status ObjectCache::MakeRoom(std::uint64_t bytes) {
     oldest_first.emplace_back(at, info.size, digest);
     total += info.size;
   }
+  std::erase_if(used_ns_, [&](const auto& used) { return !objects.contains(used.first); });  // removed by another
   std::sort(oldest_first.begin(), oldest_first.end());
   for (const auto& [at, size, digest] : oldest_first) {
     if (total <= max_bytes_) break;

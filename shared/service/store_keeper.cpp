@@ -40,23 +40,15 @@ void StoreKeeper::Start() {
 }
 
 void StoreKeeper::Stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  stop_changed_.notify_all();
+  stopped_.Notify();
   if (thread_.joinable()) thread_.join();
 }
 
 void StoreKeeper::Loop() {
   const std::chrono::milliseconds interval(options_.gc_interval_ms > 0 ? options_.gc_interval_ms : kHourMs);
-  std::unique_lock lock(mutex_);
-  while (!stopping_) {
-    lock.unlock();
+  for (std::chrono::milliseconds pause(0); stopped_.WaitBeyond(0, pause) == 0; pause = interval) {
     const Status kept = KeepOnce();
     if (!kept.ok()) Log(LogLevel::kWarning, "the stores were not looked after", {{"error", kept.ToString()}});
-    lock.lock();
-    stop_changed_.wait_for(lock, interval, [this] { return stopping_; });
   }
 }
 

@@ -1,15 +1,14 @@
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "base/status.h"
 #include "http/service.h"
+#include "jobs/change_signal.h"
 #include "service/service_stores.h"
 
 namespace drupe {
@@ -57,9 +56,7 @@ class StoreKeeper {
   ServiceStores& stores_;
   const StoreKeeperOptions options_;
   const Forget forget_;
-  std::mutex mutex_;
-  std::condition_variable stop_changed_;
-  bool stopping_ = false;
+  ChangeSignal stopped_;
   std::thread thread_;
 };
 
