@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <mutex>
 #include <set>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "base/trace.h"
 #include "jobs/job_runner.h"
@@ -364,20 +367,25 @@ TEST_F(JobStoreConformance, EveryChangeWakesTheWaiters) {
 }
 
 TEST_F(JobStoreConformance, QueueCostsAJobLittle) {
-  constexpr int kJobs = 20;
+  constexpr int kJobs = 21;
   JobRunner runner(store(), {.workers = 1});
   runner.Handle("work", [](const Job&, const RunContext&) -> Result<Json> { return Json::object(); });
   ASSERT_TRUE(runner.Start().ok());
-  const Stopwatch watch;
+  const Stopwatch all;
+  std::vector<double> wall_ms;
   for (int i = 0; i < kJobs; ++i) {
+    const Stopwatch watch;
     const std::string id = Submit(Spec()).id;
     for (std::uint64_t seen = 0; !IsTerminal(Get(id).state);) {
       seen = store().changes().WaitBeyond(seen, std::chrono::milliseconds(100));
     }
+    wall_ms.push_back(1000 * watch.WallSeconds());
   }
-  RecordProperty("overhead_ms", static_cast<int>(1000 * watch.WallSeconds() / kJobs));
-  // CPU, since three of its steps wait for the disk, which a busy test machine makes slow.
-  EXPECT_LT(watch.CpuSeconds(), 0.020 * kJobs);
+  EXPECT_LT(all.CpuSeconds(), 0.020 * kJobs);
+  std::sort(wall_ms.begin(), wall_ms.end());
+  RecordProperty("overhead_ms", std::to_string(wall_ms[kJobs / 2]));
+  // The best of them, since three of a job's steps wait for the disk, which a busy test machine makes slow.
+  EXPECT_LE(wall_ms.front(), 20);
 }
 
 TEST_F(JobStoreConformance, RemembersTheRequestThatSubmitted) {
