@@ -5,7 +5,7 @@
 
 namespace drupe {
 
-/// A developed frame, its checks, and when its first packet came.
+/// A developed frame, its checks, and when it was exposed.
 struct ScanRun::Picture {
   RgbImage image;
   FrameCheck check;

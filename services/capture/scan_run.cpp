@@ -138,7 +138,7 @@ double ScanRun::PixelsOfTurn(double degrees) const {
 
 Result<ScanRun::Picture> ScanRun::Develop(const RawFrame& frame, double motion_px, bool turned) {
   const std::int64_t age_ms =
-      std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - frame.received).count();
+      std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - frame.exposed).count();
   Picture picture;
   picture.taken_ms = Clock::System().NowMs() - age_ms;
   DRUPE_ASSIGN_OR_RETURN(picture.image, DevelopFrame(frame));

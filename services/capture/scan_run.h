@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -9,7 +10,6 @@
 #include "capture/camera/steady_camera.h"
 #include "capture/rig_state.h"
 #include "capture/scan/frame_check.h"
-#include "capture/scan/shutter_clock.h"
 #include "capture/scan_request.h"
 #include "capture/scan_store.h"
 #include "capture/turntable/grbl_turntable.h"
@@ -71,12 +71,11 @@ class ScanRun {
   SteadyCamera camera_;
   std::unique_ptr<Turntable> table_;
   FrameInspector inspector_;
-  ShutterClock shutter_clock_;
-  struct {
-    std::uint64_t timestamp_ns = 0;
-    std::chrono::steady_clock::time_point received;
-    double angle_deg = 0;
-  } last_pulse_;  ///< of a table that says nothing
+  struct Pulse {
+    std::chrono::steady_clock::time_point exposed;
+    double angle_deg;
+  };
+  std::optional<Pulse> last_pulse_;  ///< of a table that says nothing
   std::set<int> missing_;
   std::optional<double> phase_deg_;  ///< of the first view's angle from its nominal one, when pulses are not at 0
 };

@@ -56,19 +56,18 @@ Status ScanRun::Sweep() {
 
 /// Takes the frames that come while the table turns to `end_deg`.
 Status ScanRun::WatchTurn(double end_deg) {
-  AngleTrack track;
+  AngleTrack track(request_.turning_deg_s());
   const SteadyClock::time_point start = SteadyClock::now();
   SteadyClock::time_point rested = SteadyClock::time_point::max();
   while (!missing_.empty()) {
     DRUPE_RETURN_IF_ERROR(context_.CheckCancelled());
     DRUPE_ASSIGN_OR_RETURN(const TableReading before, table_->Read());
-    track.Add(before.at, before.angle_deg);
+    track.Add(before.at, before.angle_deg, before.moving);
     const Result<RawFrame> frame = camera_.NextFrame(kFrameSlice);
     DRUPE_ASSIGN_OR_RETURN(const TableReading after, table_->Read());
-    track.Add(after.at, after.angle_deg);
-    if (frame.ok() && frame->received > start) {
-      const auto exposed = shutter_clock_.ExposedAt(frame->timestamp_ns, frame->received);
-      const std::optional<double> angle = track.AngleAt(exposed);
+    track.Add(after.at, after.angle_deg, after.moving);
+    if (frame.ok() && frame->exposed > start) {
+      const std::optional<double> angle = track.AngleAt(frame->exposed);
       if (!table_->can_position()) {
         DRUPE_RETURN_IF_ERROR(TakeTurningFrame(*frame, AngleByPulses(*frame)));
       } else if (angle) {
@@ -88,15 +87,14 @@ Status ScanRun::WatchTurn(double end_deg) {
 /// Where a table that says nothing stands is told by its pulses: from one frame to the next it turned by as many steps
 /// as fit the time best, so that a speed which is not quite what was asked for does not add up.
 double ScanRun::AngleByPulses(const RawFrame& frame) {
-  double seconds = std::chrono::duration<double>(frame.received - last_pulse_.received).count();
-  if (frame.timestamp_ns > last_pulse_.timestamp_ns && last_pulse_.timestamp_ns > 0) {
-    seconds = static_cast<double>(frame.timestamp_ns - last_pulse_.timestamp_ns) * 1e-9;
+  Pulse pulse{frame.exposed, 0};
+  if (last_pulse_) {
+    const double seconds = std::chrono::duration<double>(frame.exposed - last_pulse_->exposed).count();
+    const double steps = std::max(1.0, std::round(seconds * request_.turning_deg_s() / request_.step_deg()));
+    pulse.angle_deg = last_pulse_->angle_deg + steps * request_.step_deg();
   }
-  const double steps = std::max(1.0, std::round(seconds * request_.turning_deg_s() / request_.step_deg()));
-  const bool is_first = last_pulse_.received == SteadyClock::time_point();
-  last_pulse_ = {frame.timestamp_ns, frame.received,
-                 is_first ? 0 : last_pulse_.angle_deg + steps * request_.step_deg()};
-  return last_pulse_.angle_deg;
+  last_pulse_ = pulse;
+  return pulse.angle_deg;
 }
 
 Status ScanRun::TakeTurningFrame(const RawFrame& frame, double angle_deg) {

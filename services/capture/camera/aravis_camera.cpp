@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "capture/camera/aravis_clock.h"
 #include "capture/camera/aravis_handles.h"
 #include "capture/camera/aravis_settings.h"
 #include "capture/camera/camera.h"
@@ -72,6 +73,7 @@ class AravisCamera : public Camera {
 
   Status Start() override {
     if (stream_) return Status::Ok();
+    CompareClocks(camera_.get(), clock_);
     AravisError error;
     stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, error.out()));
     DRUPE_RETURN_IF_ERROR(error.Take("the stream"));
@@ -177,7 +179,7 @@ class AravisCamera : public Camera {
     return {StatusKind::kUnavailable, "frame_timeout", "the camera has sent no frame in time"};
   }
 
-  Result<RawFrame> Copy(ArvBuffer* buffer) const {
+  Result<RawFrame> Copy(ArvBuffer* buffer) {
     if (arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS) {
       return Status(StatusKind::kUnavailable, "frame_incomplete", "packets of a frame were lost for good");
     }
@@ -187,8 +189,7 @@ class AravisCamera : public Camera {
     frame.width = arv_buffer_get_image_width(buffer);
     frame.height = arv_buffer_get_image_height(buffer);
     frame.id = arv_buffer_get_frame_id(buffer);
-    frame.timestamp_ns = arv_buffer_get_timestamp(buffer);
-    frame.received = ReceivedAt(buffer);
+    frame.exposed = clock_.ExposedAt(arv_buffer_get_timestamp(buffer), ReceivedAt(buffer));
     std::size_t size = 0;
     const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
     const std::size_t expected = std::size_t(frame.width) * frame.height * (layout == FrameLayout::kRgb ? 3 : 1);
@@ -200,6 +201,7 @@ class AravisCamera : public Camera {
   const GObjectPointer<ArvCamera> camera_;
   const CameraOptions options_;
   CameraIdentity identity_;
+  ShutterClock clock_;
   int width_ = 0, height_ = 0;
   std::atomic<bool> lost_{false};
   CameraCounters past_;  ///< of streams that have ended, and what Aravis does not count

@@ -17,9 +17,8 @@ struct RawFrame {
   int width = 0, height = 0;
   FrameLayout layout = FrameLayout::kMono;
   std::vector<std::uint8_t> bytes;
-  std::uint64_t id = 0;                            ///< the camera's own number of the frame
-  std::uint64_t timestamp_ns = 0;                  ///< of the exposure, by the camera's clock
-  std::chrono::steady_clock::time_point received;  ///< of its first packet, by ours
+  std::uint64_t id = 0;                           ///< the camera's own number of the frame
+  std::chrono::steady_clock::time_point exposed;  ///< by our clock; when it came, if the camera gives no time stamps
 };
 
 /// The frame in colour; mosaics are interpolated (Demosaic). Errors: 500 `bad_frame` when the bytes are not as many as

@@ -7,14 +7,17 @@
 namespace drupe {
 
 /// The angles that a turning table has reported, to tell where it was when a frame was taken in between. Between two
-/// reports the speed is taken as constant.
+/// reports of the turning table its speed is taken as constant; from one of them to where it rests, or rested before,
+/// it turned at the speed that it was told.
 class AngleTrack {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
 
+  /// `speed_deg_s` is positive: angles grow.
+  explicit AngleTrack(double speed_deg_s) : speed_deg_s_(speed_deg_s) {}
+
   /// In order of time; the last few seconds are kept.
-  void Add(TimePoint at, double angle_deg);
-  void Clear() { samples_.clear(); }
+  void Add(TimePoint at, double angle_deg, bool moving);
   /// Nothing when `at` lies more than half a second outside the reports.
   std::optional<double> AngleAt(TimePoint at) const;
 
@@ -22,7 +25,13 @@ class AngleTrack {
   struct Sample {
     TimePoint at;
     double angle_deg;
+    bool moving;
   };
+
+  double Beside(const Sample& sample, TimePoint at) const;
+  double Between(const Sample& a, const Sample& b, TimePoint at) const;
+
+  const double speed_deg_s_;
   std::deque<Sample> samples_;
 };
 

@@ -8,19 +8,32 @@ namespace {
 using std::chrono::milliseconds;
 
 TEST(AngleTrackTest, InterpolatesBetweenReports) {
-  AngleTrack track;
+  AngleTrack track(12);
   const auto start = AngleTrack::TimePoint() + std::chrono::hours(1);
   EXPECT_FALSE(track.AngleAt(start));
-  track.Add(start, 10);
-  track.Add(start + milliseconds(100), 11.2);
-  track.Add(start + milliseconds(200), 12.4);
+  track.Add(start, 10, true);
+  track.Add(start + milliseconds(100), 11.2, true);
+  track.Add(start + milliseconds(200), 12.4, true);
   EXPECT_NEAR(*track.AngleAt(start + milliseconds(50)), 10.6, 1e-9);
   EXPECT_NEAR(*track.AngleAt(start + milliseconds(175)), 12.1, 1e-9);
   EXPECT_NEAR(*track.AngleAt(start + milliseconds(300)), 13.6, 1e-9);
   EXPECT_NEAR(*track.AngleAt(start - milliseconds(100)), 8.8, 1e-9);
   EXPECT_FALSE(track.AngleAt(start + milliseconds(900)));
-  track.Clear();
-  EXPECT_FALSE(track.AngleAt(start));
+}
+
+TEST(AngleTrackTest, TurnsEvenlyBetweenARestAndAReport) {
+  AngleTrack track(20);
+  const auto start = AngleTrack::TimePoint() + std::chrono::hours(1);
+  track.Add(start, 10, false);
+  track.Add(start + milliseconds(300), 14, true);  // it began 100 ms later
+  track.Add(start + milliseconds(400), 16.4, true);
+  track.Add(start + milliseconds(1000), 20, false);  // it ended after another 180 ms
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(50)), 10, 1e-9);
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(200)), 12, 1e-9);
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(350)), 15.2, 1e-9);  // as reported, whatever it was told
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(500)), 18.4, 1e-9);
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(800)), 20, 1e-9);
+  EXPECT_NEAR(*track.AngleAt(start + milliseconds(1400)), 20, 1e-9);
 }
 
 TEST(NearestViewTest, WrapsEitherWay) {

@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::uint32_t kPacketResend = 1U << 2;
 constexpr std::uint32_t kCanWriteMemory = 1U << 1;
+constexpr std::uint32_t kLatch = 2;  // of kClockControl
+constexpr std::uint32_t kNanosecondsHz = 1'000'000'000;
+constexpr std::chrono::nanoseconds kAhead{7'654'321'000};  // of our clock: a camera has its own zero
 
 void Rename(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at)) text.replace(at, 5, to);
@@ -27,6 +30,10 @@ std::string Description(ArvFakeCamera* camera) {
 
 }  // namespace
 
+std::uint64_t CameraClock(std::chrono::steady_clock::time_point at) {
+  return static_cast<std::uint64_t>((at.time_since_epoch() + kAhead).count());
+}
+
 CameraRegisters::CameraRegisters(const std::string& serial, int sensor_width, int sensor_height,
                                  std::uint32_t ip_address) {
   ArvFakeCamera* camera = arv_fake_camera_new(serial.c_str());
@@ -40,6 +47,8 @@ CameraRegisters::CameraRegisters(const std::string& serial, int sensor_width, in
   Set(registers::kHeight, static_cast<std::uint32_t>(sensor_height));
   Set(registers::kCapabilities, kPacketResend | kCanWriteMemory);
   Set(registers::kCurrentAddress, ip_address);
+  Set(registers::kClockHz, 0);
+  Set(registers::kClockHz + 4, kNanosecondsHz);
 }
 
 std::uint32_t CameraRegisters::Get(std::uint32_t address) const {
@@ -61,6 +70,10 @@ std::string CameraRegisters::Read(std::uint32_t address, std::size_t size) const
 void CameraRegisters::Write(std::uint32_t address, std::string_view bytes) {
   if (address + bytes.size() > ARV_FAKE_CAMERA_MEMORY_SIZE) return;
   std::copy(bytes.begin(), bytes.end(), memory_.begin() + address);
+  if (address != registers::kClockControl || Get(address) != kLatch) return;
+  std::string clock;
+  AppendBigEndian(clock, CameraClock(std::chrono::steady_clock::now()), 8);
+  std::copy(clock.begin(), clock.end(), memory_.begin() + registers::kLatchedClock);
 }
 
 SensorWindow CameraRegisters::Window() const {

@@ -103,10 +103,10 @@ void GigeCamera::Unplug() {
   sent_.clear();
 }
 
-void GigeCamera::PulseLine(double table_deg) {
+void GigeCamera::PulseLine(double table_deg, SteadyClock::time_point at) {
   {
     const std::lock_guard lock(pulses_mutex_);
-    pulses_.push_back({SteadyClock::now(), table_deg});
+    pulses_.push_back({at, table_deg});
     if (pulses_.size() > kFramesKept) pulses_.pop_front();
   }
   if (plugged()) eventfd_write(wake_fd_, 1);
@@ -259,7 +259,7 @@ void GigeCamera::Shoot(const std::optional<Pulse>& pulse) {
   block_id_ = block_id_ == 0xFFFF ? 1 : block_id_ + 1;
   frame.block_id = block_id_;
   const SteadyClock::time_point exposed = pulse ? pulse->at : SteadyClock::now();
-  frame.timestamp_ns = static_cast<std::uint64_t>(exposed.time_since_epoch().count());
+  frame.timestamp_ns = CameraClock(exposed);
   frame.packet_bytes = std::max<std::size_t>(576, registers_->Get(registers::kStreamPacketSize) & 0xFFFF);
   frame.pixels.resize(static_cast<std::size_t>(frame.window.width) * frame.window.height * bytes);
   expose_(pulse ? std::optional(pulse->table_deg) : std::nullopt, frame.window, frame.pixels);

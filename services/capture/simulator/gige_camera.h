@@ -53,8 +53,8 @@ class GigeCamera {
   void Unplug();
   bool plugged() const { return thread_.joinable(); }
 
-  /// A rising edge on Line1, which exposes what is seen at this moment: the table at `table_deg`.
-  void PulseLine(double table_deg);
+  /// A rising edge on Line1 at the instant `at`, which exposed what was seen then: the table at `table_deg`.
+  void PulseLine(double table_deg, std::chrono::steady_clock::time_point at);
   /// Fault: this share of the stream's packets is lost, 0..1; of those sent again too.
   void set_loss(double share) { loss_ = share; }
 

@@ -45,8 +45,9 @@ Status SimulatedRig::StartParts() {
         const int blur = blurred_frames_ > 0 && blurred_frames_-- > 0 ? kBlurPx : 0;
         pictures_.Expose(table_deg.value_or(table_->position_deg()), blur, window, pixels);
       });
-  table_ = std::make_unique<SimulatedTable>(pictures_.step_deg(),
-                                            [this](double table_deg) { camera_->PulseLine(table_deg); });
+  table_ = std::make_unique<SimulatedTable>(
+      pictures_.step_deg(),
+      [this](double table_deg, SimulatedTable::TimePoint passed) { camera_->PulseLine(table_deg, passed); });
   DRUPE_ASSIGN_OR_RETURN(grbl_, GrblEmulator::Start(*table_));
   camera_->set_loss(options_.loss);
   if (options_.spin) table_->Move(kManyTurnsDeg, options_.spin_deg_s);

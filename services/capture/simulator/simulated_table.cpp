@@ -1,19 +1,22 @@
 #include "capture/simulator/simulated_table.h"
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace drupe {
 namespace {
 
 constexpr std::chrono::milliseconds kTick{2};
-constexpr double kEpsilonDeg = 1e-6;
+constexpr double kEpsilon = 1e-7;  // of a pulse's spacing
+
+SimulatedTable::TimePoint Now() {
+  return std::chrono::steady_clock::now();
+}
 
 }  // namespace
 
-SimulatedTable::SimulatedTable(double pulse_spacing_deg, std::function<void(double)> on_pulse)
-    : spacing_deg_(pulse_spacing_deg), on_pulse_(std::move(on_pulse)), thread_([this] { Run(); }) {}
+SimulatedTable::SimulatedTable(double pulse_spacing_deg, OnPulse on_pulse)
+    : spacing_deg_(pulse_spacing_deg), on_pulse_(std::move(on_pulse)), at_(Now()), thread_([this] { Run(); }) {}
 
 SimulatedTable::~SimulatedTable() {
   {
@@ -26,17 +29,18 @@ SimulatedTable::~SimulatedTable() {
 
 double SimulatedTable::position_deg() const {
   const std::lock_guard lock(mutex_);
-  return position_;
+  return PositionAt(Now());
 }
 
 bool SimulatedTable::moving() const {
   const std::lock_guard lock(mutex_);
-  return position_ != target_;
+  return PositionAt(Now()) != target_;
 }
 
 void SimulatedTable::Move(double distance_deg, double speed_deg_s) {
   {
     const std::lock_guard lock(mutex_);
+    Advance(Now());
     target_ += distance_deg;
     speed_ = speed_deg_s;
   }
@@ -45,49 +49,50 @@ void SimulatedTable::Move(double distance_deg, double speed_deg_s) {
 
 void SimulatedTable::Stop() {
   const std::lock_guard lock(mutex_);
+  Advance(Now());
   target_ = position_;
 }
 
 void SimulatedTable::SetZero() {
   const std::lock_guard lock(mutex_);
+  Advance(Now());
   position_ = target_ = 0;
 }
 
-std::vector<double> SimulatedTable::Step(double seconds) {
-  const double before = position_, left = target_ - position_;
-  const double way = std::min(std::abs(left), speed_ * seconds);
-  position_ = way == std::abs(left) ? target_ : position_ + std::copysign(way, left);
+double SimulatedTable::PositionAt(TimePoint now) const {
+  const double left = target_ - position_;
+  const double way = speed_ * std::chrono::duration<double>(now - at_).count();
+  return way >= std::abs(left) ? target_ : position_ + std::copysign(way, left);
+}
+
+void SimulatedTable::Advance(TimePoint now) {
+  const double before = position_;
+  position_ = PositionAt(now);
+  const TimePoint began = std::exchange(at_, now);
+  if (position_ == before) return;
   // Leaving a multiple is no pulse, reaching it is one.
-  const double low = std::min(before, position_), high = std::max(before, position_);
-  const bool forward = position_ > before;
-  const double from = (low + (forward ? kEpsilonDeg : -kEpsilonDeg)) / spacing_deg_;
-  const double to = (high + (forward ? kEpsilonDeg : -kEpsilonDeg)) / spacing_deg_;
-  std::vector<double> pulses;
-  for (double multiple = std::floor(from) + 1; multiple <= std::floor(to); ++multiple) {
-    pulses.push_back(multiple * spacing_deg_);
+  const double way = position_ > before ? 1 : -1;
+  const auto multiple_at = [&](double position) { return std::floor(way * position / spacing_deg_ + kEpsilon); };
+  for (double multiple = multiple_at(before) + 1; multiple <= multiple_at(position_); ++multiple) {
+    const double place = way * multiple * spacing_deg_;
+    const std::chrono::duration<double> after(std::abs(place - before) / speed_);
+    pulses_.push_back({place, began + std::chrono::duration_cast<TimePoint::duration>(after)});
   }
-  if (!forward) std::reverse(pulses.begin(), pulses.end());
-  return pulses;
 }
 
 void SimulatedTable::Run() {
-  auto last = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
   while (!ending_) {
-    if (position_ == target_) {
-      wake_.wait(lock, [this] { return ending_ || position_ != target_; });
-      last = std::chrono::steady_clock::now();
-    }
+    wake_.wait(lock, [this] { return ending_ || position_ != target_ || !pulses_.empty(); });
     wake_.wait_for(lock, kTick, [this] { return ending_; });
-    const auto now = std::chrono::steady_clock::now();
-    const std::vector<double> pulses = Step(std::chrono::duration<double>(now - last).count());
-    last = now;
+    Advance(Now());
+    const std::vector<Pulse> pulses = std::exchange(pulses_, {});
     lock.unlock();
-    for (const double position : pulses) {
+    for (const Pulse& pulse : pulses) {
       if (skipped_pulses_ > 0) {
         --skipped_pulses_;
       } else if (on_pulse_) {
-        on_pulse_(position);
+        on_pulse_(pulse.position_deg, pulse.passed);
       }
     }
     lock.lock();

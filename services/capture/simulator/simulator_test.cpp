@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <chrono>
+#include <functional>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include "capture/simulator/simulated_rig.h"
 
@@ -11,35 +13,64 @@ namespace {
 
 using std::chrono::milliseconds;
 
-void WaitForRest(const SimulatedTable& table) {
-  for (int i = 0; i < 500 && table.moving(); ++i) std::this_thread::sleep_for(milliseconds(5));
+/// Waits until it is so, for a generous while.
+bool Becomes(const std::function<bool()>& condition) {
+  for (int i = 0; i < 4000 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(5));
+  return condition();
 }
 
 TEST(SimulatedTableTest, PulsesOnceAtEveryMultipleInEitherDirection) {
-  std::atomic<int> pulses = 0;
-  SimulatedTable table(10, [&](double) { ++pulses; });
-  table.Move(360, 3600);
-  WaitForRest(table);
-  EXPECT_DOUBLE_EQ(table.position_deg(), 360);
-  EXPECT_EQ(pulses, 36);  // leaving 0 is none, reaching 360 is one
+  std::mutex mutex;
+  std::vector<double> pulses;
+  const auto seen = [&] {
+    const std::lock_guard lock(mutex);
+    return pulses;
+  };
+  SimulatedTable table(10, [&](double position, SimulatedTable::TimePoint) {
+    const std::lock_guard lock(mutex);
+    pulses.push_back(position);
+  });
+  table.Move(30, 3600);
+  EXPECT_TRUE(Becomes([&] { return seen() == std::vector<double>{10, 20, 30}; }));  // leaving 0 is none, reaching 30 is
+  EXPECT_DOUBLE_EQ(table.position_deg(), 30);
   table.Move(-25, 3600);
-  WaitForRest(table);
-  EXPECT_EQ(pulses, 38);  // 350, 340
+  EXPECT_TRUE(Becomes([&] { return seen() == std::vector<double>{10, 20, 30, 20, 10}; }));
+  EXPECT_TRUE(Becomes([&] { return !table.moving(); }));
   table.SkipPulses(1);
-  table.Move(15, 3600);
-  WaitForRest(table);
-  EXPECT_EQ(pulses, 39);  // 340 is swallowed, 350 comes
+  table.Move(15, 3600);  // 10 is swallowed
+  EXPECT_TRUE(Becomes([&] { return seen() == std::vector<double>{10, 20, 30, 20, 10, 20}; }));
+}
+
+TEST(SimulatedTableTest, PassesItsPulsesWhenTheTimeSaysSo) {
+  std::mutex mutex;
+  std::vector<SimulatedTable::TimePoint> passed;
+  SimulatedTable table(10, [&](double, SimulatedTable::TimePoint at) {
+    const std::lock_guard lock(mutex);
+    passed.push_back(at);
+  });
+  const auto before = std::chrono::steady_clock::now();
+  table.Move(95, 1000);
+  const auto after = std::chrono::steady_clock::now();
+  ASSERT_TRUE(Becomes([&] {
+    const std::lock_guard lock(mutex);
+    return passed.size() == 9;
+  }));
+  for (int i = 0; i < 9; ++i) {
+    const auto way = milliseconds(10 * (i + 1));
+    EXPECT_GE(passed[static_cast<std::size_t>(i)], before + way - std::chrono::microseconds(1));
+    EXPECT_LE(passed[static_cast<std::size_t>(i)], after + way + std::chrono::microseconds(1));
+  }
 }
 
 TEST(SimulatedTableTest, StopsWhereItIs) {
   SimulatedTable table(10, nullptr);
-  table.Move(1000, 100);
-  std::this_thread::sleep_for(milliseconds(30));
+  table.Move(1e6, 100);
+  ASSERT_TRUE(Becomes([&] { return table.position_deg() > 0.1; }));
   table.Stop();
   const double stopped = table.position_deg();
-  EXPECT_GT(stopped, 0);
-  EXPECT_LT(stopped, 100);
-  std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_FALSE(table.moving());
+  EXPECT_LT(stopped, 1e6);
+  std::this_thread::sleep_for(milliseconds(20));  // in which it would turn by 2 degrees
   EXPECT_EQ(table.position_deg(), stopped);
 }
 

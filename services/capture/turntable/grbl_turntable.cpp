@@ -14,6 +14,8 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr milliseconds kReplyPatience{2'000};
 constexpr milliseconds kHomingPatience{120'000};
 constexpr milliseconds kPoll{20};
+constexpr int kReadings = 6;
+constexpr milliseconds kUsualDelay{1};      // in the time of an answer
 constexpr double kSmallestMoveDeg = 0.002;  // below it GRBL rounds a move to nothing
 constexpr char kSoftReset = '\x18';
 
@@ -124,12 +126,21 @@ Status GrblTurntable::MoveTo(double angle_deg, const Cancelled& cancelled) {
   return Status::Ok();
 }
 
+/// An answer that took long does not say when the table stood there: it is asked again, a few times.
 Result<TableReading> GrblTurntable::Read() {
-  const auto asked = SteadyClock::now();
-  DRUPE_ASSIGN_OR_RETURN(const GrblStatus status, Query());
-  if (status.state == "Alarm") return Alarm("an alarm");
-  const auto at = asked + (SteadyClock::now() - asked) / 2;
-  return TableReading{Direction() * (status.position - origin_), status.state != "Idle", at};
+  TableReading reading;
+  SteadyClock::duration least = SteadyClock::duration::max();
+  for (int i = 0; i < kReadings && least > 2 * quickest_ + kUsualDelay; ++i) {
+    const auto asked = SteadyClock::now();
+    DRUPE_ASSIGN_OR_RETURN(const GrblStatus status, Query());
+    if (status.state == "Alarm") return Alarm("an alarm");
+    const SteadyClock::duration took = SteadyClock::now() - asked;
+    quickest_ = std::min(quickest_, took);
+    if (took >= least) continue;
+    least = took;
+    reading = {Direction() * (status.position - origin_), status.state != "Idle", asked + took / 2};
+  }
+  return reading;
 }
 
 /// Feed hold, and once at rest a reset, which then keeps the position and drops the rest of the move.

@@ -62,6 +62,7 @@ class GrblTurntable : public Turntable {
   const TurntableOptions options_;
   std::mutex mutex_;  ///< one conversation at a time
   double origin_ = 0;
+  std::chrono::steady_clock::duration quickest_ = std::chrono::minutes(1);  ///< answer to Read so far
 };
 
 }  // namespace drupe
