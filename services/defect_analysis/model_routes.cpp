@@ -60,19 +60,14 @@ class ModelRoutes {
     const Json result = job.result.value_or(Json::object());
     Json links = {{"self", LinkOf(job)}};
     if (job.state == JobState::kSucceeded) links["model"] = LinkOf(job) + "/model.json";
-    return {{"id", job.id},
-            {"status", JobStateName(job.state)},
-            {"stage", job.stage},
-            {"progress", job.progress},
-            {"created_at", TimeJson(job.created_ms)},
-            {"finished_at", TimeJson(job.finished_ms)},
-            {"error", JobErrorJson(job)},
-            {"options", job.payload.value("options", Json::object())},
-            {"clouds", job.payload.value("clouds", Json::array()).size()},
-            {"images", job.payload.value("pictures", Json::array()).size()},
-            {"support_vectors", result.value("support_vectors", Json())},
-            {"confusion", result.value("confusion", Json())},
-            {"links", std::move(links)}};
+    Json json = JobJson(job);
+    json["options"] = job.payload.value("options", Json::object());
+    json["clouds"] = job.payload.value("clouds", Json::array()).size();
+    json["images"] = job.payload.value("pictures", Json::array()).size();
+    json["support_vectors"] = result.value("support_vectors", Json());
+    json["confusion"] = result.value("confusion", Json());
+    json["links"] = std::move(links);
+    return json;
   }
 
   const ModelContext context_;

@@ -45,19 +45,13 @@ Json ProvenanceJson(const Job& job) {
 }  // namespace
 
 Json SummaryJson(const Job& job, const LinkBase& base) {
-  return {{"id", job.id},
-          {"status", JobStateName(job.state)},
-          {"stage", job.stage},
-          {"progress", job.progress},
-          {"attempt", job.attempt},
-          {"created_at", TimeJson(job.created_ms)},
-          {"started_at", TimeJson(job.started_ms)},
-          {"finished_at", TimeJson(job.finished_ms)},
-          {"error", JobErrorJson(job)},
-          {"image_set", job.payload.value("image_set", "")},
-          {"images", job.payload.value("images", Json::array()).size()},
-          {"refused_images", RefusedJson(job)},
-          {"links", LinksJson(job, base)}};
+  Json json = JobJson(job);
+  json["attempt"] = job.attempt;
+  json["image_set"] = job.payload.value("image_set", "");
+  json["images"] = job.payload.value("images", Json::array()).size();
+  json["refused_images"] = RefusedJson(job);
+  json["links"] = LinksJson(job, base);
+  return json;
 }
 
 Json StatusJson(const Job& job, const LinkBase& base) {

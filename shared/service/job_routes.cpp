@@ -18,22 +18,17 @@ Json ErrorJson(const std::optional<JobError>& error) {
 }
 
 Json OperatorJobJson(const Job& job) {
-  return {{"id", job.id},
-          {"kind", job.kind},
-          {"subject", job.subject},
-          {"status", JobStateName(job.state)},
-          {"stage", job.stage},
-          {"progress", job.progress},
-          {"priority", job.priority},
-          {"attempt", job.attempt},
-          {"failures", job.failures},
-          {"max_attempts", job.max_attempts},
-          {"worker", job.worker},
-          {"trace", job.trace},
-          {"created_at", TimeJson(job.created_ms)},
-          {"started_at", TimeJson(job.started_ms)},
-          {"finished_at", TimeJson(job.finished_ms)},
-          {"error", ErrorJson(job.error)}};
+  Json json = JobJson(job);
+  json["kind"] = job.kind;
+  json["subject"] = job.subject;
+  json["priority"] = job.priority;
+  json["attempt"] = job.attempt;
+  json["failures"] = job.failures;
+  json["max_attempts"] = job.max_attempts;
+  json["worker"] = job.worker;
+  json["trace"] = job.trace;
+  json["error"] = ErrorJson(job.error);
+  return json;
 }
 
 Json HistoryJson(const std::vector<JobEvent>& events) {
