@@ -4,12 +4,14 @@
 #include <cstdlib>
 
 #include "capture/camera/steady_camera.h"
-#include "capture/rig_fixture.h"
+#include "capture/simulator/rig_fixture.h"
 
 namespace drupe {
 namespace {
 
 using std::chrono::milliseconds;
+
+constexpr std::chrono::seconds kPatience{30};
 
 TEST(CameraRigTest, TakesABayerFrameThatDevelopsIntoThePicture) {
   const auto rig = StartRig();
@@ -19,7 +21,7 @@ TEST(CameraRigTest, TakesABayerFrameThatDevelopsIntoThePicture) {
   EXPECT_EQ((*camera)->identity().serial, "RIG1");
   ASSERT_TRUE((*camera)->Start().ok());
   ASSERT_TRUE((*camera)->FireTrigger().ok());
-  const auto frame = (*camera)->NextFrame(milliseconds(2000));
+  const auto frame = (*camera)->NextFrame(kPatience);
   ASSERT_TRUE(frame.ok()) << frame.status().ToString();
   EXPECT_GE(static_cast<int>(frame->layout), static_cast<int>(FrameLayout::kBayerGr));
   EXPECT_TRUE(DevelopFrame(*frame).ok());
@@ -37,7 +39,7 @@ TEST(CameraRigTest, TakesARegionInColourAndInGrey) {
     auto camera = Camera::Open(rig->camera_id(), options);
     ASSERT_TRUE(camera.ok()) << camera.status().ToString();
     ASSERT_TRUE((*camera)->Start().ok() && (*camera)->FireTrigger().ok());
-    const auto frame = (*camera)->NextFrame(milliseconds(2000));
+    const auto frame = (*camera)->NextFrame(kPatience);
     ASSERT_TRUE(frame.ok()) << frame.status().ToString();
     EXPECT_EQ(frame->width, 320);
     EXPECT_EQ(frame->height, 200);
@@ -56,7 +58,7 @@ TEST(CameraRigTest, TheTriggerLineMakesFramesAndTheCameraRunsFreeWithoutTrigger)
     ASSERT_TRUE((*camera)->Start().ok());
     const auto pulse = std::chrono::steady_clock::now() - milliseconds(400);  // the camera is late with it
     if (trigger == CameraTrigger::kLine) rig->camera().PulseLine(0, pulse);
-    const auto frame = (*camera)->NextFrame(milliseconds(2000));
+    const auto frame = (*camera)->NextFrame(kPatience);
     ASSERT_TRUE(frame.ok()) << frame.status().ToString();
     const auto late = std::chrono::duration_cast<milliseconds>(frame->exposed - pulse);
     EXPECT_TRUE(trigger == CameraTrigger::kFree || std::abs(late.count()) < 100) << late.count();
@@ -70,7 +72,7 @@ TEST(CameraRigTest, LostPacketsAreAskedForAgain) {
   ASSERT_TRUE((*camera)->Start().ok());
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE((*camera)->FireTrigger().ok());
-    const auto frame = (*camera)->NextFrame(milliseconds(3000));
+    const auto frame = (*camera)->NextFrame(kPatience);
     ASSERT_TRUE(frame.ok()) << frame.status().ToString();
   }
   EXPECT_GT((*camera)->counters().resent_packets, 0);
@@ -84,7 +86,7 @@ TEST(CameraRigTest, WithoutResendAFrameIsIncompleteAndSaysSo) {
   auto camera = Camera::Open(rig->camera_id(), options);
   ASSERT_TRUE(camera.ok()) << camera.status().ToString();
   ASSERT_TRUE((*camera)->Start().ok() && (*camera)->FireTrigger().ok());
-  EXPECT_EQ((*camera)->NextFrame(milliseconds(2000)).status().code(), "frame_incomplete");
+  EXPECT_EQ((*camera)->NextFrame(kPatience).status().code(), "frame_incomplete");
   EXPECT_EQ((*camera)->counters().incomplete_frames, 1);
 }
 
@@ -95,11 +97,11 @@ TEST(CameraRigTest, AnAbsentCameraIsNotFound) {
 TEST(SteadyCameraTest, ComesBackAfterItWasUnplugged) {
   const auto rig = StartRig();
   SteadyCamera camera(rig->camera_id(), {}, {.patience = std::chrono::seconds(20)}, nullptr);
-  ASSERT_TRUE(camera.Shoot(milliseconds(2000)).ok());
+  ASSERT_TRUE(camera.Shoot(kPatience).ok());
   rig->camera().Unplug();
   EXPECT_EQ(camera.Shoot(milliseconds(500)).status().code(), "camera_lost");
   ASSERT_TRUE(rig->camera().Plug().ok());
-  const auto frame = camera.Shoot(milliseconds(2000));
+  const auto frame = camera.Shoot(kPatience);
   EXPECT_TRUE(frame.ok()) << frame.status().ToString();
   EXPECT_EQ(camera.counters().reconnects, 1);
 }

@@ -1,24 +1,20 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <filesystem>
 #include <thread>
 
 #include "base/files.h"
 #include "base/ids.h"
 #include "capture/calibration_job.h"
 #include "capture/routes.h"
+#include "capture/store_fixture.h"
 #include "http/request.h"
 #include "http/response.h"
 #include "http/text_body.h"
 #include "jobs/sql/sql_job_store.h"
-#include "jobs/sqlite/database.h"
-#include "store/disk_object_store.h"
 
 namespace drupe {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string Part(const std::string& disposition, const std::string& content) {
   return "--B\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + content + "\r\n";
@@ -38,27 +34,15 @@ std::string SamplePicture(int number) {
 }
 
 /// The service's routes over stores in a directory of their own.
-class CaptureServiceTest : public ::testing::Test {
+class CaptureServiceTest : public StoreTest {
  protected:
   void SetUp() override {
-    directory_ = fs::temp_directory_path() / NewId("capture");
-    fs::create_directories(directory_);
-    auto objects = DiskObjectStore::Open(directory_ / "objects");
-    auto database = SqliteDatabase::Open(directory_ / "capture.db");
-    ASSERT_TRUE(objects.ok() && database.ok());
-    objects_ = std::move(*objects), database_ = std::move(*database);
+    ASSERT_NO_FATAL_FAILURE(StoreTest::SetUp());
     auto jobs = OpenJobStore(*database_);
     ASSERT_TRUE(jobs.ok());
     jobs_ = std::move(*jobs);
-    auto calibrations = CalibrationStore::Open(*database_);
-    ASSERT_TRUE(calibrations.ok());
-    calibrations_ = std::move(*calibrations);
+    calibrations_ = Open<CalibrationStore>();
     AddCaptureRoutes(router_, {*objects_, *jobs_, cameras_, *calibrations_, Limits{}, "", "http://127.0.0.1:8082"});
-  }
-  void TearDown() override {
-    jobs_.reset(), calibrations_.reset();
-    database_.reset();
-    fs::remove_all(directory_);
   }
 
   Response Call(const std::string& method, const std::string& path, const std::string& body = "",
@@ -95,14 +79,11 @@ class CaptureServiceTest : public ::testing::Test {
     JobRunner runner(*jobs_, {});
     runner.Handle(kCalibrateKind, CalibrationJob(*objects_, *calibrations_, Limits{}), CalibrationStages());
     ASSERT_TRUE(runner.Start().ok());
-    for (int i = 0; i < 600 && !IsTerminal(jobs_->Get(id)->state); ++i) {
+    for (int i = 0; i < 2400 && !IsTerminal(jobs_->Get(id)->state); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   }
 
-  fs::path directory_;
-  std::unique_ptr<ObjectStore> objects_;
-  std::unique_ptr<SqliteDatabase> database_;
   std::unique_ptr<JobStore> jobs_;
   std::unique_ptr<CalibrationStore> calibrations_;
   CameraDirectory cameras_;

@@ -1,39 +1,19 @@
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <filesystem>
-#include <thread>
-
-#include "base/ids.h"
-#include "capture/rig_fixture.h"
 #include "capture/session_grab.h"
-#include "jobs/sqlite/database.h"
-#include "store/disk_object_store.h"
+#include "capture/simulator/rig_fixture.h"
+#include "capture/store_fixture.h"
 
 namespace drupe {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Sessions with a camera that sees the sample's calibration pictures, one at each angle of the table.
-class SessionTest : public ::testing::Test {
+class SessionTest : public StoreTest {
  protected:
   void SetUp() override {
-    directory_ = fs::temp_directory_path() / NewId("session");
-    fs::create_directories(directory_);
-    auto objects = DiskObjectStore::Open(directory_ / "objects");
-    auto database = SqliteDatabase::Open(directory_ / "capture.db");
-    ASSERT_TRUE(objects.ok() && database.ok());
-    objects_ = std::move(*objects), database_ = std::move(*database);
-    auto sessions = SessionStore::Open(*database_);
-    ASSERT_TRUE(sessions.ok()) << sessions.status().ToString();
-    sessions_ = std::move(*sessions);
+    ASSERT_NO_FATAL_FAILURE(StoreTest::SetUp());
+    sessions_ = Open<SessionStore>();
     rig_ = StartRig({}, "calibration");
-  }
-  void TearDown() override {
-    sessions_.reset();
-    database_.reset();
-    fs::remove_all(directory_);
   }
 
   CalibrationSession Session(const std::string& camera) {
@@ -46,9 +26,6 @@ class SessionTest : public ::testing::Test {
     return *session;
   }
 
-  fs::path directory_;
-  std::unique_ptr<ObjectStore> objects_;
-  std::unique_ptr<SqliteDatabase> database_;
   std::unique_ptr<SessionStore> sessions_;
   std::unique_ptr<SimulatedRig> rig_;
 };
@@ -64,8 +41,7 @@ TEST_F(SessionTest, KeepsWhatShowsSomethingNewAndSaysWhatIsMissing) {
   ASSERT_TRUE(again.ok()) << again.status().ToString();
   EXPECT_FALSE(again->kept);
   EXPECT_NE(again->reason.find("the same as 000.jpg"), std::string::npos) << again->reason;
-  rig_->table().Move(36, 3600);  // to the next picture
-  while (rig_->table().moving()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  rig_->Turn(36);  // to the next picture
   EXPECT_TRUE(TakeSessionPicture(session, *objects_, {})->kept);
   ASSERT_EQ(session.pictures.size(), 2U);
   EXPECT_TRUE(objects_->Contains(session.pictures[1].sha256));

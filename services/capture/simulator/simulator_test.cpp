@@ -1,23 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
 
-#include "capture/simulator/simulated_rig.h"
+#include "capture/simulator/rig_fixture.h"
 
 namespace drupe {
 namespace {
 
 using std::chrono::milliseconds;
-
-/// Waits until it is so, for a generous while.
-bool Becomes(const std::function<bool()>& condition) {
-  for (int i = 0; i < 4000 && !condition(); ++i) std::this_thread::sleep_for(milliseconds(5));
-  return condition();
-}
 
 TEST(SimulatedTableTest, PulsesOnceAtEveryMultipleInEitherDirection) {
   std::mutex mutex;

@@ -3,12 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "capture/simulator/simulated_rig.h"
 
 namespace drupe {
+
+/// Waits until it is so; false if it is not for a minute.
+inline bool Becomes(const std::function<bool()>& condition) {
+  for (int i = 0; i < 12'000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return condition();
+}
 
 /// A simulated rig for a test. Every one has an address of its own on the loopback network.
 /// `pictures` is a folder of the sample: what the camera sees.
