@@ -33,18 +33,12 @@ SessionPicture PictureOf(const Json& json) {
   return picture;
 }
 
-Json CameraJson(const CalibrationSession& session) {
-  Json camera = ToJson(session.camera);
-  camera["id"] = session.camera_id;
-  return camera;
-}
-
 Json DocumentOf(const CalibrationSession& session) {
   Json pictures = Json::array();
   for (const SessionPicture& picture : session.pictures) pictures.push_back(PictureJson(picture));
-  return {{"camera", CameraJson(session)},  {"pattern", ToJson(session.pattern)},
-          {"lens", session.binding.lens},   {"serial", session.binding.serial},
-          {"width", session.width},         {"height", session.height},
+  return {{"camera", ToJson(session.camera)}, {"pattern", ToJson(session.pattern)},
+          {"lens", session.binding.lens},     {"serial", session.binding.serial},
+          {"width", session.width},           {"height", session.height},
           {"pictures", std::move(pictures)}};
 }
 
@@ -81,17 +75,7 @@ Result<CalibrationSession> ParseSession(const Json& json) {
     return InvalidArgument("unknown_option", "there is no option " + key, key);
   }
   CalibrationSession session;
-  const Json camera = json.value("camera", Json::object());
-  if (camera.is_string()) {
-    session.camera_id = camera.get<std::string>();
-  } else {
-    if (!camera.is_object()) return InvalidArgument("invalid_option", "camera must be an id or an object", "camera");
-    const Json id = camera.value("id", Json(""));
-    if (id.is_string()) session.camera_id = id.get<std::string>();
-    DRUPE_ASSIGN_OR_RETURN(session.camera, ParseCameraOptions(camera));
-  }
-  if (session.camera_id.size() > 128) return InvalidArgument("invalid_option", "camera is too long", "camera");
-  DRUPE_RETURN_IF_ERROR(session.camera.Check());
+  DRUPE_ASSIGN_OR_RETURN(session.camera, ParseCameraChoice(json.value("camera", Json())));
   DRUPE_ASSIGN_OR_RETURN(session.pattern, ParseCheckerboard(json.value("pattern", Json())));
   DRUPE_ASSIGN_OR_RETURN(session.binding, ParseCameraBinding({{"lens", json.value("lens", Json())}}));
   return session;
@@ -106,7 +90,7 @@ Json ToJson(const CalibrationSession& session) {
                       {"corners", session.pictures[i].corners.size()},
                       {"pose", ToJson(guidance.poses[i])}});
   }
-  Json camera = CameraJson(session);
+  Json camera = ToJson(session.camera);
   camera.update(ToJson(session.binding));
   return {{"id", session.id},
           {"camera", std::move(camera)},

@@ -24,8 +24,7 @@ struct SessionPicture {
 /// Pictures of the pattern being taken one by one, with advice on the next.
 struct CalibrationSession {
   std::string id;
-  std::string camera_id;  ///< empty: the only camera there is
-  CameraOptions camera;
+  CameraChoice camera;
   CameraBinding binding;  ///< the serial number once a picture has been taken
   Checkerboard pattern;
   int width = 0, height = 0;  ///< of the pictures; 0 before the first

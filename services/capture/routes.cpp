@@ -6,9 +6,11 @@
 #include "capture/calibration_job.h"
 #include "capture/calibration_request.h"
 #include "http/content.h"
+#include "http/method_routes.h"
 #include "http/request.h"
 #include "http/response.h"
 #include "service/job_json.h"
+#include "service/job_page.h"
 
 namespace drupe {
 namespace {
@@ -70,17 +72,10 @@ class CaptureRoutes {
   }
 
   Status List(const Request& request, Response& response) const {
-    JobFilter filter{.kind = kCalibrateKind};
-    if (const auto state = request.Query("status")) {
-      DRUPE_ASSIGN_OR_RETURN(filter.state, ParseJobState(*state));
-    }
-    DRUPE_ASSIGN_OR_RETURN(const std::int64_t limit, request.QueryInt("limit", 50, 1, 200));
-    const std::string cursor = request.Query("cursor").value_or("");
-    DRUPE_ASSIGN_OR_RETURN(const JobPage page, context_.jobs.List(filter, static_cast<int>(limit), cursor));
-    Json list = Json::array();
-    for (const Job& job : page.jobs) list.push_back(SummaryJson(job));
-    const Json next = page.next_cursor.empty() ? Json() : Json(page.next_cursor);
-    response.SetJson({{"calibrations", std::move(list)}, {"next_cursor", next}});
+    const auto describe = [this](const Job& job) { return Result<Json>(SummaryJson(job)); };
+    DRUPE_ASSIGN_OR_RETURN(const Json page,
+                           JobPageJson(request, context_.jobs, kCalibrateKind, "calibrations", describe));
+    response.SetJson(page);
     return Status::Ok();
   }
 
@@ -126,17 +121,10 @@ class CaptureRoutes {
   const CaptureContext context_;
 };
 
-using CaptureMethod = Status (CaptureRoutes::*)(const Request&, Response&) const;
-
 }  // namespace
 
 void AddCaptureRoutes(Router& router, const CaptureContext& context) {
-  const auto routes = std::make_shared<CaptureRoutes>(context);
-  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, CaptureMethod method) {
-    router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
-      if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
-    });
-  };
+  const auto add = MethodRoutes(router, std::make_shared<CaptureRoutes>(context));
   const RouteOptions plain{.max_body_bytes = 0};
   const RouteOptions upload{.max_body_bytes = context.limits.max_request_bytes, .upload = true};
   add("GET", "/cameras", plain, &CaptureRoutes::ListCameras);

@@ -7,10 +7,12 @@
 #include "capture/scan_job.h"
 #include "capture/scan_request.h"
 #include "http/content.h"
+#include "http/method_routes.h"
 #include "http/request.h"
 #include "http/response.h"
 #include "scene/calibration.h"
 #include "service/job_json.h"
+#include "service/job_page.h"
 
 namespace drupe {
 namespace {
@@ -37,20 +39,9 @@ class ScanRoutes {
   }
 
   Status List(const Request& request, Response& response) const {
-    JobFilter filter{.kind = kScanKind};
-    if (const auto state = request.Query("status")) {
-      DRUPE_ASSIGN_OR_RETURN(filter.state, ParseJobState(*state));
-    }
-    DRUPE_ASSIGN_OR_RETURN(const std::int64_t limit, request.QueryInt("limit", 50, 1, 200));
-    DRUPE_ASSIGN_OR_RETURN(const JobPage page,
-                           jobs().List(filter, static_cast<int>(limit), request.Query("cursor").value_or("")));
-    Json list = Json::array();
-    for (const Job& job : page.jobs) {
-      DRUPE_ASSIGN_OR_RETURN(Json json, Summary(job));
-      list.push_back(std::move(json));
-    }
-    const Json next = page.next_cursor.empty() ? Json() : Json(page.next_cursor);
-    response.SetJson({{"scans", std::move(list)}, {"next_cursor", next}});
+    const auto describe = [this](const Job& job) { return Summary(job); };
+    DRUPE_ASSIGN_OR_RETURN(const Json page, JobPageJson(request, jobs(), kScanKind, "scans", describe));
+    response.SetJson(page);
     return Status::Ok();
   }
 
@@ -247,17 +238,10 @@ class ScanRoutes {
   const ScanContext context_;
 };
 
-using ScanMethod = Status (ScanRoutes::*)(const Request&, Response&) const;
-
 }  // namespace
 
 void AddScanRoutes(Router& router, const ScanContext& context) {
-  const auto routes = std::make_shared<ScanRoutes>(context);
-  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, ScanMethod method) {
-    router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
-      if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
-    });
-  };
+  const auto add = MethodRoutes(router, std::make_shared<ScanRoutes>(context));
   const RouteOptions plain{.max_body_bytes = 0};
   add("POST", "/scans", {}, &ScanRoutes::Submit);
   add("GET", "/scans", plain, &ScanRoutes::List);

@@ -8,6 +8,7 @@
 #include "capture/calibration_job.h"
 #include "capture/session_grab.h"
 #include "http/content.h"
+#include "http/method_routes.h"
 #include "http/request.h"
 #include "http/response.h"
 #include "service/job_json.h"
@@ -99,17 +100,10 @@ class SessionRoutes {
   std::mutex mutex_;
 };
 
-using SessionMethod = Status (SessionRoutes::*)(const Request&, Response&);
-
 }  // namespace
 
 void AddSessionRoutes(Router& router, const SessionContext& context) {
-  const auto routes = std::make_shared<SessionRoutes>(context);
-  const auto add = [&](const char* verb, const char* pattern, const RouteOptions& options, SessionMethod method) {
-    router.Add(verb, pattern, options, [routes, method](const Request& request, Response& response) {
-      if (const Status status = ((*routes).*method)(request, response); !status.ok()) response.SetError(status);
-    });
-  };
+  const auto add = MethodRoutes(router, std::make_shared<SessionRoutes>(context));
   const RouteOptions plain{.max_body_bytes = 0};
   add("POST", "/calibration-sessions", {}, &SessionRoutes::Begin);
   add("GET", "/calibration-sessions/{id:cses}", plain, &SessionRoutes::Get);

@@ -1,5 +1,7 @@
 #include "capture/scan_request.h"
 
+#include <utility>
+
 #include "base/option_reader.h"
 #include "scene/board.h"
 #include "scene/calibration.h"
@@ -9,18 +11,6 @@ namespace {
 
 Status Invalid(const std::string& field, const std::string& range) {
   return InvalidArgument("invalid_option", field + " must be " + range, field);
-}
-
-Status ReadCamera(const Json& json, ScanRequest& request) {
-  if (json.is_null()) return Status::Ok();
-  if (json.is_string()) {
-    request.camera_id = json.get<std::string>();
-    return Status::Ok();
-  }
-  if (!json.is_object()) return Invalid("camera", "an id or an object");
-  if (json.contains("id") && json["id"].is_string()) request.camera_id = json["id"].get<std::string>();
-  DRUPE_ASSIGN_OR_RETURN(request.camera, ParseCameraOptions(json));
-  return Status::Ok();
 }
 
 Status ReadTable(const Json& json, ScanRequest& request) {
@@ -76,7 +66,6 @@ Status ReadMode(OptionReader& reader, ScanMode& mode) {
 }  // namespace
 
 Status ScanRequest::Check() const {
-  if (camera_id.size() > 128) return Invalid("camera", "an id of at most 128 characters");
   if (lens.size() > 128) return Invalid("lens", "at most 128 characters");
   DRUPE_RETURN_IF_ERROR(camera.Check());
   DRUPE_RETURN_IF_ERROR(table.Check());
@@ -97,7 +86,8 @@ Result<ScanRequest> ParseScanRequest(const Json& json) {
   Json rest = json;  // without what is not plain
   for (const char* key : {"camera", "turntable", "calibration", "calibrated_for", "board"}) rest.erase(key);
   OptionReader reader(rest, "");
-  DRUPE_RETURN_IF_ERROR(ReadCamera(json.value("camera", Json()), request));
+  DRUPE_ASSIGN_OR_RETURN(CameraChoice camera, ParseCameraChoice(json.value("camera", Json())));
+  request.camera_id = std::move(camera.id), request.camera = std::move(camera.options);
   DRUPE_RETURN_IF_ERROR(ReadTable(json.value("turntable", Json()), request));
   if (request.table_turns_by_itself) request.mode = ScanMode::kContinuous;
   DRUPE_RETURN_IF_ERROR(ReadMode(reader, request.mode));
@@ -124,9 +114,7 @@ Result<ScanRequest> ParseScanRequest(const Json& json) {
 }
 
 Json ToJson(const ScanRequest& request) {
-  Json camera = ToJson(request.camera);
-  camera["id"] = request.camera_id;
-  return {{"camera", std::move(camera)},
+  return {{"camera", ToJson(CameraChoice{request.camera_id, request.camera})},
           {"turntable",
            {{"driver", request.table_turns_by_itself ? "external" : "grbl"},
             {"speed_deg_s", request.table.speed_deg_s},

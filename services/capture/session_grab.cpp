@@ -1,25 +1,18 @@
 #include "capture/session_grab.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "capture/camera/raw_frame.h"
+#include "capture/scan/picture_name.h"
 #include "capture/scan/small_picture.h"
 
 namespace drupe {
 namespace {
 
 constexpr int kMaxSessionPictures = 100;
-constexpr int kJpegQuality = 97, kSessionPreviewQuality = 80, kSessionPreviewWidth = 800;
+constexpr int kJpegQuality = 97, kMarkedQuality = 80, kMarkedWidth = 800;
 constexpr std::size_t kMinCorners = 12;
 constexpr int kTries = 5;
-constexpr std::chrono::milliseconds kGrabPatience{2'000};
-
-Result<RawFrame> Shoot(SteadyCamera& camera) {
-  Result<RawFrame> frame = camera.Shoot(kGrabPatience);
-  for (int i = 1; i < kTries && !frame.ok(); ++i) frame = camera.Shoot(kGrabPatience);
-  return frame;
-}
 
 Status CheckSame(const CalibrationSession& session, const std::string& serial, const RawFrame& frame) {
   const bool is_first = session.width == 0;
@@ -46,9 +39,9 @@ void MarkCorners(const PatternCorners& corners, double scale, RgbImage& small) {
 }
 
 Result<std::string> PreviewOf(const RgbImage& image, const PatternCorners& corners) {
-  RgbImage small = ShrinkTo(image, kSessionPreviewWidth);
+  RgbImage small = ShrinkTo(image, kMarkedWidth);
   MarkCorners(corners, static_cast<double>(small.width()) / image.width(), small);
-  return EncodeJpeg(small, kSessionPreviewQuality);
+  return EncodeJpeg(small, kMarkedQuality);
 }
 
 /// Why the picture, whose pose the last of `poses` is, is not worth keeping; empty when it is.
@@ -73,9 +66,9 @@ Result<Grab> TakeSessionPicture(CalibrationSession& session, ObjectStore& object
   if (session.pictures.size() >= kMaxSessionPictures) {
     return Status(StatusKind::kConflict, "session_full", "the session has 100 pictures; finish it");
   }
-  SteadyCamera camera(session.camera_id, session.camera, steady, [] { return false; });
+  SteadyCamera camera(session.camera.id, session.camera.options, steady, nullptr);
   DRUPE_RETURN_IF_ERROR(camera.Ensure());
-  DRUPE_ASSIGN_OR_RETURN(const RawFrame frame, Shoot(camera));
+  DRUPE_ASSIGN_OR_RETURN(const RawFrame frame, camera.ShootPatiently(kTries));
   DRUPE_RETURN_IF_ERROR(CheckSame(session, camera.identity().serial, frame));
   DRUPE_ASSIGN_OR_RETURN(const RgbImage image, DevelopFrame(frame));
   DRUPE_ASSIGN_OR_RETURN(const PatternCorners corners, FindCorners(GrayOf(image), session.pattern));
@@ -89,10 +82,8 @@ Result<Grab> TakeSessionPicture(CalibrationSession& session, ObjectStore& object
                                           : "the whole pattern was not found; is all of it in the picture, and sharp?";
     return grab;
   }
-  char name[16];
-  std::snprintf(name, sizeof(name), "%03d.jpg", static_cast<int>(session.pictures.size()));
   CalibrationSession with = session;
-  with.pictures.push_back({name, "", corners});
+  with.pictures.push_back({PictureName(static_cast<int>(session.pictures.size())), "", corners});
   const std::vector<PatternPose> poses = with.Guide().poses;
   grab.pose = poses.back();
   grab.reason = ReasonAgainst(session, poses);

@@ -9,6 +9,8 @@
 namespace drupe {
 namespace {
 
+constexpr std::size_t kMaxIdBytes = 128;
+
 constexpr int kLargestSide = 16384;
 constexpr std::array<std::pair<const char*, CameraPixelFormat>, 3> kFormats = {
     {{"mono8", CameraPixelFormat::kMono8}, {"rgb8", CameraPixelFormat::kRgb8}, {"bayer8", CameraPixelFormat::kBayer}}};
@@ -109,6 +111,29 @@ Json ToJson(const CameraOptions& options) {
   if (options.gain) json["gain"] = *options.gain;
   if (options.frame_rate) json["frame_rate"] = *options.frame_rate;
   json["region"] = {{"x", region.x}, {"y", region.y}, {"width", region.width}, {"height", region.height}};
+  return json;
+}
+
+Result<CameraChoice> ParseCameraChoice(const Json& json) {
+  const auto invalid = [](const char* range) {
+    return InvalidArgument("invalid_option", std::string("camera must be ") + range, "camera");
+  };
+  CameraChoice choice;
+  if (json.is_string()) {
+    choice.id = json.get<std::string>();
+  } else if (json.is_object()) {
+    DRUPE_ASSIGN_OR_RETURN(choice.options, ParseCameraOptions(json));
+    choice.id = json.value("id", "");
+  } else if (!json.is_null()) {
+    return invalid("an id or an object");
+  }
+  if (choice.id.size() > kMaxIdBytes) return invalid("an id of at most 128 characters");
+  return choice;
+}
+
+Json ToJson(const CameraChoice& choice) {
+  Json json = ToJson(choice.options);
+  json["id"] = choice.id;
   return json;
 }
 

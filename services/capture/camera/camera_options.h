@@ -48,4 +48,16 @@ struct CameraOptions {
 Result<CameraOptions> ParseCameraOptions(const Json& json);
 Json ToJson(const CameraOptions& options);
 
+/// A camera and how it takes pictures.
+struct CameraChoice {
+  std::string id;  ///< empty: the only camera there is
+  CameraOptions options;
+};
+
+/// Reads what requests call "camera": an id of at most 128 characters, or the options with "id" among them, or null for
+/// the defaults. Errors: those of ParseCameraOptions.
+Result<CameraChoice> ParseCameraChoice(const Json& json);
+/// The options with "id".
+Json ToJson(const CameraChoice& choice);
+
 }  // namespace drupe

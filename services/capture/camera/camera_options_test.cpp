@@ -28,5 +28,18 @@ TEST(CameraOptionsTest, NamesWhatIsWrong) {
   EXPECT_EQ(field({{"shutter", 1}}), "camera.shutter");
 }
 
+TEST(CameraChoiceTest, IsAnIdOrOptionsWithOne) {
+  EXPECT_EQ(ParseCameraChoice("Maker-1")->id, "Maker-1");
+  EXPECT_EQ(ParseCameraChoice(Json())->id, "");
+  const auto choice = ParseCameraChoice({{"id", "Maker-2"}, {"gain", 3}});
+  ASSERT_TRUE(choice.ok()) << choice.status().ToString();
+  EXPECT_EQ(choice->options.gain, 3);
+  EXPECT_EQ(ToJson(*ParseCameraChoice(ToJson(*choice))), ToJson(*choice));
+  for (const Json& bad : {Json(3), Json(std::string(129, 'x')), Json::array()}) {
+    EXPECT_EQ(ParseCameraChoice(bad).status().field(), "camera") << bad;
+  }
+  EXPECT_EQ(ParseCameraChoice({{"id", 3}}).status().field(), "camera.id");
+}
+
 }  // namespace
 }  // namespace drupe

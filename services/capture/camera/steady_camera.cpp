@@ -10,11 +10,16 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr int kBarrenShots = 3;
+constexpr std::chrono::milliseconds kShotPatience{2'000};  // and the exposure
 
 /// Errors of opening that pass by themselves: it is unplugged, or still held by a controller that has died.
 bool MayPass(const Status& status) {
   return status.code() == "camera_not_found" || status.code() == "camera_busy" || status.code() == "camera_lost" ||
          status.code() == "camera_refused";
+}
+
+bool IsShotToRepeat(const Status& status) {
+  return status.code() == "camera_lost" || status.code() == "frame_timeout" || status.code() == "frame_incomplete";
 }
 
 }  // namespace
@@ -84,6 +89,16 @@ Result<RawFrame> SteadyCamera::Shoot(std::chrono::milliseconds timeout) {
   ++barren_;
   if (const Status fired = camera_->FireTrigger(); !fired.ok()) return Note(fired);
   return NextFrame(timeout);
+}
+
+Result<RawFrame> SteadyCamera::ShootPatiently(int tries) {
+  const auto exposure_ms = static_cast<int>(options_.exposure_us.value_or(0) / 1000);
+  Result<RawFrame> frame = Shoot(kShotPatience + std::chrono::milliseconds(exposure_ms));
+  for (int i = 1; i < tries && IsShotToRepeat(frame.status()); ++i) {
+    if (cancelled_ && cancelled_()) return drupe::Cancelled();
+    frame = Shoot(kShotPatience + std::chrono::milliseconds(exposure_ms));
+  }
+  return frame;
 }
 
 }  // namespace drupe

@@ -32,6 +32,10 @@ class SteadyCamera {
   /// Discards, fires the software trigger and waits for the frame. A camera that misses three shots is taken for lost.
   Result<RawFrame> Shoot(std::chrono::milliseconds timeout);
 
+  /// Shoots until a frame comes: lost packets, and a camera that goes and comes back, pass by themselves. Errors: those
+  /// of the last of `tries`, `cancelled`, and those that another try does not help.
+  Result<RawFrame> ShootPatiently(int tries);
+
   const CameraIdentity& identity() const { return identity_; }
   int width() const { return width_; }
   int height() const { return height_; }
