@@ -195,7 +195,6 @@ Status HandOver::WatchReport(ScanRecord record, const std::string& url) {
   const std::size_t path = url.find('/', url.find("//") + 2);
   if (path == std::string::npos) return scans_.SetEnded(record.id);
   DRUPE_ASSIGN_OR_RETURN(const Client analysis, Client::Create(url.substr(0, path)));
-  bool ready = false;
   std::string body;
   const Status status = analysis.Download(url.substr(path), std::uint64_t{64} << 20, [&](std::string_view piece) {
     body.append(piece);
@@ -204,8 +203,7 @@ Status HandOver::WatchReport(ScanRecord record, const std::string& url) {
   if (status.kind() == StatusKind::kNotFound) return Status::Ok();  // not asked for yet
   DRUPE_RETURN_IF_ERROR(status);
   const Result<Json> report = ParseJson(body, {std::size_t{64} << 20, 64});
-  ready = report.ok() && report->contains("fruits");
-  if (!ready) return Status::Ok();
+  if (!report.ok() || !report->contains("fruits")) return Status::Ok();
   record.timings["report_s"] = SecondsSince(record.last_shutter_ms);
   DRUPE_RETURN_IF_ERROR(scans_.SetTimings(record.id, record.timings));
   return scans_.SetEnded(record.id);

@@ -1,10 +1,10 @@
 #include "capture/scan_run.h"
 
-#include <cstdio>
 #include <numbers>
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "capture/scan/picture_name.h"
 #include "capture/scan/small_picture.h"
 #include "capture/scan_picture.h"
 #include "capture/turntable/external_turntable.h"
@@ -18,13 +18,6 @@ using std::chrono::milliseconds;
 constexpr int kPreviewWidth = 640;
 constexpr int kPreviewQuality = 80;
 constexpr int kShotTries = 20;
-constexpr milliseconds kShotPatience{2'000};
-
-std::string NameOf(int view) {
-  char name[16];
-  std::snprintf(name, sizeof(name), "%03d.jpg", view);
-  return name;
-}
 
 /// The table is at rest for whoever comes next, and nobody can stop it any more through this scan.
 class TableGuard {
@@ -62,14 +55,17 @@ ScanRun::~ScanRun() = default;
 Status ScanRun::Run() {
   DRUPE_RETURN_IF_ERROR(tools_.scans.Begin(id_));
   DRUPE_RETURN_IF_ERROR(Load());
-  if (!missing_.empty()) {
-    const Status taken = TakeViews();
-    if (const Status saved = SaveCounters(); !saved.ok()) {
-      Log(LogLevel::kWarning, "a scan's counters are lost", {{"scan", id_}, {"error", saved.ToString()}});
-    }
-    DRUPE_RETURN_IF_ERROR(taken);
+  if (missing_.empty()) return NoteStored();
+  const Status taken = TakeViews();
+  if (const Status saved = SaveCounters(); !saved.ok()) {
+    Log(LogLevel::kWarning, "a scan's counters are lost", {{"scan", id_}, {"error", saved.ToString()}});
   }
-  DRUPE_RETURN_IF_ERROR(tools_.scans.SetCaptured(id_));
+  return taken;
+}
+
+/// The hand-over goes on at once: after the last view nothing waits until the table rests.
+Status ScanRun::NoteStored() {
+  if (missing_.empty()) DRUPE_RETURN_IF_ERROR(tools_.scans.SetCaptured(id_));
   if (tools_.on_frame) tools_.on_frame();
   return Status::Ok();
 }
@@ -152,7 +148,7 @@ Status ScanRun::Keep(int view, double angle_deg, const Picture& picture, int att
   DRUPE_ASSIGN_OR_RETURN(const std::string jpeg, EncodeJpeg(picture.image, request_.jpeg_quality));
   DRUPE_ASSIGN_OR_RETURN(const ObjectInfo object, tools_.objects.Put(jpeg));
   ScanFrame frame;
-  frame.view = view, frame.name = NameOf(view), frame.sha256 = object.sha256;
+  frame.view = view, frame.name = PictureName(view), frame.sha256 = object.sha256;
   frame.bytes = static_cast<std::int64_t>(object.bytes);
   frame.width = picture.image.width(), frame.height = picture.image.height();
   frame.angle_deg = angle_deg, frame.taken_ms = picture.taken_ms, frame.attempts = attempts;
@@ -161,8 +157,7 @@ Status ScanRun::Keep(int view, double angle_deg, const Picture& picture, int att
   inspector_.Remember(picture.check);
   missing_.erase(view);
   context_.Report("capture", 1 - static_cast<double>(missing_.size()) / request_.views);
-  if (tools_.on_frame) tools_.on_frame();
-  return Status::Ok();
+  return NoteStored();
 }
 
 Status ScanRun::TakeStepwise() {
@@ -177,30 +172,13 @@ Status ScanRun::TakeView(int view) {
   const double angle = view * request_.step_deg();
   for (int attempt = 1;; ++attempt) {
     DRUPE_RETURN_IF_ERROR(table_->MoveTo(angle, [this] { return context_.IsCancelled(); }));
-    DRUPE_ASSIGN_OR_RETURN(const RawFrame frame, ShootPatiently());
+    DRUPE_ASSIGN_OR_RETURN(const RawFrame frame, camera_.ShootPatiently(kShotTries));
     DRUPE_ASSIGN_OR_RETURN(const TableReading reading, table_->Read());
     DRUPE_ASSIGN_OR_RETURN(const Picture picture,
                            Develop(frame, PixelsOfTurn(reading.angle_deg - angle), attempt == 1));
     if (picture.check.ok() || attempt > request_.retakes) return Keep(view, reading.angle_deg, picture, attempt);
     Log(LogLevel::kInfo, "a frame is retaken", {{"scan", id_}, {"view", view}, {"faults", picture.check.faults}});
   }
-}
-
-/// Lost packets and a camera that goes and comes back are no faults of the scan.
-Result<RawFrame> ScanRun::ShootPatiently() {
-  const double exposure_ms = request_.camera.exposure_us.value_or(0) / 1000;
-  const milliseconds timeout = kShotPatience + milliseconds(static_cast<int>(exposure_ms));
-  Status failed;
-  for (int i = 0; i < kShotTries; ++i) {
-    DRUPE_RETURN_IF_ERROR(context_.CheckCancelled());
-    Result<RawFrame> frame = camera_.Shoot(timeout);
-    if (frame.ok()) return frame;
-    failed = frame.status();
-    const bool passes =
-        failed.code() == "camera_lost" || failed.code() == "frame_timeout" || failed.code() == "frame_incomplete";
-    if (!passes) return failed;
-  }
-  return failed;
 }
 
 }  // namespace drupe

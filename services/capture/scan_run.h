@@ -48,7 +48,6 @@ class ScanRun {
   /// Step mode.
   Status TakeStepwise();
   Status TakeView(int view);
-  Result<RawFrame> ShootPatiently();
 
   /// Continuous mode.
   Status TakeTurning();
@@ -61,6 +60,7 @@ class ScanRun {
   struct Picture;
   Result<Picture> Develop(const RawFrame& frame, double motion_px, bool turned);
   Status Keep(int view, double angle_deg, const Picture& picture, int attempts);
+  Status NoteStored();
   Status SaveCounters();
   double PixelsOfTurn(double degrees) const;
 

@@ -67,12 +67,9 @@ Status ScanRun::WatchTurn(double end_deg) {
     DRUPE_ASSIGN_OR_RETURN(const TableReading after, table_->Read());
     track.Add(after.at, after.angle_deg, after.moving);
     if (frame.ok() && frame->exposed > start) {
-      const std::optional<double> angle = track.AngleAt(frame->exposed);
-      if (!table_->can_position()) {
-        DRUPE_RETURN_IF_ERROR(TakeTurningFrame(*frame, AngleByPulses(*frame)));
-      } else if (angle) {
-        DRUPE_RETURN_IF_ERROR(TakeTurningFrame(*frame, *angle));
-      }
+      const std::optional<double> angle =
+          table_->can_position() ? track.AngleAt(frame->exposed) : AngleByPulses(*frame);
+      if (angle) DRUPE_RETURN_IF_ERROR(TakeTurningFrame(*frame, *angle));
     } else if (!frame.ok() && frame.status().code() == "camera_away") {
       return frame.status();
     }
