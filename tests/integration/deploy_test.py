@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""deploy/up and deploy/down: started twice, stopped twice, a port that is taken, a service that does not start."""
+"""deploy/up and deploy/down: started twice, stopped twice, a port that is taken, a service that does not start. The secrets that
+the compose files give their services."""
 import os
 import pathlib
 import shutil
@@ -9,9 +10,12 @@ import tempfile
 import unittest
 import urllib.request
 
+import yaml
+
 from drupe import BIN, ROOT, free_port
 
 SERVICES = ("capture", "reconstruction", "analysis")
+WITH_TOKENS = ("compose.public.yml", "compose.rig.yml", "compose.compute.yml")
 
 
 class DeployTest(unittest.TestCase):
@@ -68,6 +72,34 @@ class DeployTest(unittest.TestCase):
         self.assertEqual(up.returncode, 1, up)
         self.assertIn("drupe-reconstruction stopped at once", up.stderr)
         self.assertEqual(self.pids(), {})
+
+
+class ComposeSecretsTest(unittest.TestCase):
+    def setUp(self):
+        self.files = {name: yaml.safe_load((ROOT / "deploy" / name).read_text()) for name in WITH_TOKENS}
+
+    def test_services_that_make_jobs_and_their_workers_sign_webhooks(self):
+        for name, file in self.files.items():
+            for service in ("reconstruction", "analysis"):
+                with self.subTest(file=name, service=service):
+                    environment = file["services"][service]["environment"]
+                    self.assertEqual(environment["DRUPE_WEBHOOK_SECRET"], "/run/secrets/webhook_secret")
+
+    def test_every_secret_is_given_declared_and_made(self):
+        made = pathlib.Path(tempfile.mkdtemp(prefix="drupe-secrets-"))
+        self.addCleanup(shutil.rmtree, made)
+        subprocess.run([ROOT / "deploy/make-secrets", "--dir", made, "plums.example.org"], check=True, capture_output=True)
+        for name, file in self.files.items():
+            for service, settings in file["services"].items():
+                wanted = {value.rpartition("/")[2] for value in settings.get("environment", {}).values()
+                          if str(value).startswith("/run/secrets/")}
+                given = set(settings.get("secrets", []))
+                self.assertLessEqual(wanted, given, (name, service))
+                self.assertLessEqual(given, file["secrets"].keys(), (name, service))
+            for secret in file["secrets"].values():
+                directory, _, base = secret["file"].rpartition("/")
+                self.assertEqual(directory, "${DRUPE_SECRETS:-./secrets}", name)
+                self.assertTrue((made / base).is_file(), (name, base))
 
 
 if __name__ == "__main__":
