@@ -6,6 +6,7 @@ Only Python's standard library. Each test module starts a System of its own in a
         def test_it(self):
             reply = self.system.reconstruction.post_images(sample_images(12))
 """
+import datetime
 import http.client
 import json
 import os
@@ -64,6 +65,11 @@ def wait_for(what, condition, timeout_s, interval_s=0.05):
             return value
         time.sleep(interval_s)
     raise AssertionError(f"{what}: not within {timeout_s} s")
+
+
+def unix_s(time_of_reply):
+    """Seconds since 1970 of a time as replies show it."""
+    return datetime.datetime.fromisoformat(time_of_reply).timestamp()
 
 
 def multipart(parts):
@@ -187,6 +193,11 @@ class Service:
         return received
 
 
+def worker_pid(job):
+    """The process that a job of GET /jobs/ID is at, or was at last; workers are named KIND@HOST:PID-THREAD."""
+    return int(job["worker"].rpartition(":")[2].partition("-")[0])
+
+
 class System:
     """The three services, wired to one another, each with a data directory of its own unless they share one."""
 
@@ -202,6 +213,12 @@ class System:
         if shared_data:
             for service in self.services:
                 service.data = self.directory / "data"
+
+    def worker(self, name, number, arguments, directory=None):
+        """A process that does a service's jobs, to be started: on the data of its front, or of its own in `directory`."""
+        worker = Service(name, directory or self.directory, free_port(), ["--role", "worker", *arguments])
+        worker.log_path = self.directory / f"{name}-worker-{number}.log"
+        return worker
 
     def start(self, *names):
         for service in self.services:

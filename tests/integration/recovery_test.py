@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """kill -9 in every stage: the service that starts again finds its job and finishes it, once."""
 import itertools
+import time
 import unittest
 
-from drupe import ENDED, JOB_TIMEOUT_S, QUICK_OPTIONS, DrupeTest, sample_images, wait_for
+from drupe import JOB_TIMEOUT_S, QUICK_OPTIONS, DrupeTest, sample_images, unix_s, wait_for
 
 STAGES = ("features", "matching", "sparse", "dense")  # those between them pass too quickly to be seen from outside
 IMAGES = 12
@@ -15,12 +16,13 @@ class RecoveryTest(DrupeTest):
     feature_budgets = itertools.count(1500)
 
     def seen_in_stage(self, job_id, stage):
-        """True once the job is seen in `stage`; False when it has ended without being seen there."""
+        """True once the job is seen in `stage`; False when it has succeeded without being seen there."""
 
         def state():
             status = self.system.status(job_id)
-            if status["status"] in ENDED:
-                return "ended"
+            if status["status"] == "succeeded":
+                return "missed"
+            self.assertIn(status["status"], ("queued", "running"), status)
             return "seen" if status["status"] == "running" and status["stage"] == stage else None
 
         return wait_for(f"stage {stage}", state, JOB_TIMEOUT_S, 0.005) == "seen"
@@ -38,14 +40,20 @@ class RecoveryTest(DrupeTest):
         raise AssertionError(f"no job of {TRIES} was seen in the stage {stage}")
 
     def interrupt_in_stage(self, stage, stop, options=None):
-        """The status of a job that has ended after its service was stopped in `stage` and started again."""
+        """The status of a job that has ended after its service was stopped in `stage` and started again.
+
+        A job that its first attempt finished must have been finished when the service was gone; another one is tried then.
+        """
         for _ in range(TRIES):
             job_id = self.submit_into_stage(stage, options)
             stop()
+            gone_s = time.time()
             self.system.reconstruction.start()
             status = self.system.wait_until_ended(job_id)
             if status["attempt"] > 1:
                 return status
+            self.assertEqual(status["status"], "succeeded", status)
+            self.assertLessEqual(unix_s(status["finished_at"]), gone_s, status)
         raise AssertionError(f"no job of {TRIES} was interrupted in the stage {stage}")
 
     def test_reconstruction_killed_in_each_stage(self):
