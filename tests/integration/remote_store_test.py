@@ -15,7 +15,7 @@ import sys
 import threading
 import unittest
 
-from drupe import ENDED, QUICK_OPTIONS, ROOT, Service, System, free_port, sample_images, sample_parts, wait_for
+from drupe import ENDED, QUICK_OPTIONS, ROOT, System, sample_images, sample_parts, wait_for
 
 sys.path.insert(0, str(ROOT / "tests/postgres"))
 from cluster import cluster_or_skip  # noqa: E402  (found through the line above)
@@ -119,10 +119,8 @@ class RemoteStoreTest(unittest.TestCase):
                                 "--tokens", cls.secret_file("tokens.json", json.dumps({"tokens": tokens}))]
         cls.relay = CuttingRelay(cls.front.port)
         cls.addClassCleanup(cls.relay.listener.close)
-        cls.worker = Service("reconstruction", system.directory / "elsewhere", free_port(),
-                             ["--role", "worker", *shared, "--store-url", f"http://127.0.0.1:{cls.relay.port}",
-                              "--store-cache-bytes", str(CACHE_BYTES)])
-        (system.directory / "elsewhere").mkdir()
+        remote = ["--store-url", f"http://127.0.0.1:{cls.relay.port}", "--store-cache-bytes", str(CACHE_BYTES)]
+        cls.worker = system.worker("reconstruction", 0, [*shared, *remote], system.directory / "elsewhere")
         system.services = [cls.front, cls.worker]
         system.start()
 

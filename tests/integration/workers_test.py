@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """Front and workers as processes of their own that meet in PostgreSQL; one of two workers is killed at its work."""
-import pathlib
 import sys
 import unittest
 
-from drupe import JOB_TIMEOUT_S, QUICK_OPTIONS, ROOT, Service, System, free_port, sample_images, wait_for
+from drupe import JOB_TIMEOUT_S, QUICK_OPTIONS, ROOT, Service, System, free_port, sample_images, wait_for, worker_pid
 
 sys.path.insert(0, str(ROOT / "tests/postgres"))
 from cluster import cluster_or_skip  # noqa: E402  (found through the line above)
@@ -30,23 +29,17 @@ class WorkersTest(unittest.TestCase):
         system.services = [system.analysis, system.reconstruction]
         for service in (system.analysis, system.reconstruction):
             service.arguments += ["--role", "api", *shared]
-        cls.workers = [cls.worker("reconstruction", number, shared) for number in range(2)]
-        system.services += [*cls.workers, cls.worker("analysis", 0, shared)]
-
-    @classmethod
-    def worker(cls, name, number, shared):
-        front = getattr(cls.system, name)
-        worker = Service(name, cls.system.directory, free_port(), [*front.arguments[:2], "--role", "worker", *shared])
-        worker.log_path = pathlib.Path(cls.system.directory) / f"{name}-worker-{number}.log"
-        return worker
+        cls.workers = [system.worker("reconstruction", number, [*shared, "--analysis-url", system.analysis.url])
+                       for number in range(2)]
+        analysis_worker = system.worker("analysis", 0, [*shared, "--reconstruction-url", system.reconstruction.url])
+        system.services += [*cls.workers, analysis_worker]
 
     def running_worker(self, job_id):
         """The worker process that a running job is at."""
         job = self.system.reconstruction.get(f"/jobs/{job_id}").json()
         if job["status"] != "running":
             return None
-        pid = int(job["worker"].split("@")[1].split(":")[1].split("-")[0])
-        return next(worker for worker in self.workers if worker.process.pid == pid)
+        return next(worker for worker in self.workers if worker.process.pid == worker_pid(job))
 
     def test_1_front_and_workers_make_a_report(self):
         job_id = self.system.submit(sample_images(IMAGES), QUICK_OPTIONS)
