@@ -158,6 +158,7 @@ TEST(CoverageTest, CountsCornersAndNamesWeakParts) {
     for (int x = 0; x < 500; x += 50) map.Add({{x, y}});
   }
   EXPECT_EQ(map.WeakParts(), (std::vector<std::string>{"top right", "right", "bottom right"}));
+  EXPECT_EQ(map.WeakText(), "top right, right, bottom right");
   const auto png = DrawCoverage(map);
   ASSERT_TRUE(png.ok());
   const cv::Mat picture = cv::imdecode(std::vector<uchar>(png->begin(), png->end()), cv::IMREAD_COLOR);

@@ -40,6 +40,12 @@ std::vector<std::string> CoverageMap::WeakParts() const {
   return weak;
 }
 
+std::string CoverageMap::WeakText() const {
+  std::string text;
+  for (const std::string& part : WeakParts()) text += (text.empty() ? "" : ", ") + part;
+  return text.empty() ? "none" : text;
+}
+
 Json ToJson(const CoverageMap& map) {
   return {{"grid", Json::array({CoverageMap::kColumns, CoverageMap::kRows})},
           {"corners", map.corners},

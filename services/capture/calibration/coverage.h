@@ -24,6 +24,8 @@ struct CoverageMap {
   double Share() const;
   /// The parts of the picture, of nine, of which less than half showed corners: "top left", "top", ..., "middle".
   std::vector<std::string> WeakParts() const;
+  /// The same for people: "top left, top"; "none".
+  std::string WeakText() const;
 };
 
 /// {"grid": [8, 6], "corners": [[...] a row], "weak_parts": [...]}

@@ -34,8 +34,6 @@ void DrawCells(const CoverageMap& map, const cv::Size& size, cv::Mat& canvas) {
 
 void DrawText(const CoverageMap& map, int top, cv::Mat& canvas) {
   const std::string share = std::to_string(static_cast<int>(std::lround(100 * map.Share())));
-  std::string text = "none";
-  for (const std::string& part : map.WeakParts()) text = text == "none" ? part : text + ", " + part;
   const auto write = [&](const std::string& line, int y) {
     cv::putText(canvas, line, cv::Point(10, top + y), cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar(0, 0, 0), 1,
                 cv::LINE_AA);
@@ -43,7 +41,7 @@ void DrawText(const CoverageMap& map, int top, cv::Mat& canvas) {
   write(std::to_string(map.pixels.size()) + " corners in " + share + " % of the cells of a picture of " +
             std::to_string(map.width) + " x " + std::to_string(map.height),
         20);
-  write("hardly seen: " + text, 42);
+  write("hardly seen: " + map.WeakText(), 42);
 }
 
 }  // namespace

@@ -26,12 +26,6 @@ double LargestTilt(const CalibrationResult& result) {
   return largest;
 }
 
-std::string Joined(const CoverageMap& coverage) {
-  std::string text;
-  for (const std::string& part : coverage.WeakParts()) text += (text.empty() ? "" : ", ") + part;
-  return text;
-}
-
 std::vector<Finding> FindWeaknesses(const CalibrationResult& result) {
   using enum CalibrationGrade;
   std::vector<Finding> findings;
@@ -47,7 +41,8 @@ std::vector<Finding> FindWeaknesses(const CalibrationResult& result) {
   add(used < 5, used < 8, "few pictures: take 10 to 20");
   add(tilt < 10, tilt < 20, "the pattern was hardly tilted: tilt it by 30 to 45 degrees in all directions");
   const double covered = result.coverage.Share();
-  add(covered < 0.3, covered < 0.6, "much of the picture hardly showed the pattern: " + Joined(result.coverage));
+  const std::string where = result.coverage.WeakParts().empty() ? "" : ": " + result.coverage.WeakText();
+  add(covered < 0.3, covered < 0.6, "much of the picture hardly showed the pattern" + where);
   return findings;
 }
 
