@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "reconstruction/matching/descriptor_matching.h"
+#include "reconstruction/matching/guided.h"
 #include "reconstruction/matching/homography.h"
 
 namespace drupe {
@@ -17,6 +18,27 @@ double LookMargin(const PreparedPicture& first, const PreparedPicture& second) {
   const auto kept = static_cast<double>(std::max<std::size_t>(1, first.kept.size() + second.kept.size()));
   const auto compared = static_cast<double>(first.packed.size() + second.packed.size());
   return 1 + kForFineOnes * (1 - compared / kept);
+}
+
+/// What verified matches say about where further ones can lie, and how much these may look apart.
+GuidedOptions GuideFrom(const PairTask& task, const PairMatches& verified, const EpipolarTransfer& transfer) {
+  std::vector<double> inverse_depths;
+  std::vector<std::int32_t> distances;
+  for (std::size_t i = 0; i < verified.size(); ++i) {
+    inverse_depths.push_back(std::max(0.0, InverseDepthOf(transfer, verified.points[i])));
+    const FeatureMatch& match = verified.pairs[i];
+    distances.push_back(SquaredDistance(task.first.Descriptor(match.first), task.second.Descriptor(match.second)));
+  }
+  GuidedOptions guide;
+  guide.max_error = task.max_error;
+  guide.max_ratio = task.options.guided_max_ratio;
+  const double low = Quantile(inverse_depths, 0.01), high = Quantile(inverse_depths, 0.99);
+  const double margin = 0.25 * (high - low);
+  guide.inverse_depth_min = std::max(0.0, low - margin);
+  guide.inverse_depth_max = high + margin;
+  guide.max_squared_distance =
+      static_cast<std::int32_t>(LookMargin(task.first, task.second) * Quantile(distances, 0.95));
+  return guide;
 }
 
 }  // namespace
@@ -35,43 +57,6 @@ PairMatches PairMatches::Subset(const std::vector<int>& indices) const {
   return subset;
 }
 
-PairMatches PutativeMatches(const PreparedPicture& first, const PreparedPicture& second, double max_ratio) {
-  PairMatches putative;
-  for (const FeatureMatch& match : MatchDescriptors(first, second, max_ratio)) putative.Add(match, first, second);
-  return putative;
-}
-
-GuidedOptions GuideFrom(const PairMatches& verified, const PreparedPicture& first, const PreparedPicture& second,
-                        const EpipolarTransfer& transfer, double max_error, double max_ratio) {
-  std::vector<double> inverse_depths;
-  std::vector<std::int32_t> distances;
-  for (std::size_t i = 0; i < verified.size(); ++i) {
-    inverse_depths.push_back(std::max(0.0, InverseDepthOf(transfer, verified.points[i])));
-    const FeatureMatch& match = verified.pairs[i];
-    distances.push_back(SquaredDistance(first.Descriptor(match.first), second.Descriptor(match.second)));
-  }
-  GuidedOptions guide;
-  guide.max_error = max_error;
-  guide.max_ratio = max_ratio;
-  const double low = Quantile(inverse_depths, 0.01), high = Quantile(inverse_depths, 0.99);
-  const double margin = 0.25 * (high - low);
-  guide.inverse_depth_min = std::max(0.0, low - margin);
-  guide.inverse_depth_max = high + margin;
-  guide.max_squared_distance = static_cast<std::int32_t>(LookMargin(first, second) * Quantile(distances, 0.95));
-  return guide;
-}
-
-PairMatches Extended(const PairMatches& verified, const std::vector<FeatureMatch>& guided, const PreparedPicture& first,
-                     const PreparedPicture& second) {
-  std::vector<bool> used_first(first.kept.size()), used_second(second.kept.size());
-  for (const FeatureMatch& match : verified.pairs) used_first[match.first] = used_second[match.second] = true;
-  PairMatches extended = verified;
-  for (const FeatureMatch& match : guided) {
-    if (!used_first[match.first] && !used_second[match.second]) extended.Add(match, first, second);
-  }
-  return extended;
-}
-
 bool StandsStill(const PairMatches& matches, double max_error) {
   if (matches.points.empty()) return false;
   std::vector<double> moved;
@@ -85,10 +70,28 @@ double MedianAngle(const Rigid3& pose, const PairMatches& matches) {
   return Quantile(angles, 0.5);
 }
 
-TwoViewMatches DescribePair(ImagePair pair, const PairMatches& verified, const PreparedPicture& first,
-                            const PreparedPicture& second, double max_error, std::uint64_t seed) {
+PairMatches PairTask::Putative() const {
+  PairMatches putative;
+  for (const FeatureMatch& match : MatchDescriptors(first, second, options.max_ratio)) {
+    putative.Add(match, first, second);
+  }
+  return putative;
+}
+
+PairMatches PairTask::Guided(const PairMatches& verified, const EpipolarTransfer& transfer) const {
+  std::vector<bool> used_first(first.kept.size()), used_second(second.kept.size());
+  for (const FeatureMatch& match : verified.pairs) used_first[match.first] = used_second[match.second] = true;
+  PairMatches extended = verified;
+  for (const FeatureMatch& match : MatchGuided(first, second, transfer, GuideFrom(*this, verified, transfer))) {
+    if (!used_first[match.first] && !used_second[match.second]) extended.Add(match, first, second);
+  }
+  return extended;
+}
+
+TwoViewMatches PairTask::Describe(ImagePair pair, const PairMatches& verified, std::size_t putative_count) const {
   TwoViewMatches result;
   result.pair = pair;
+  result.putative_count = static_cast<int>(putative_count);
   for (const FeatureMatch& match : verified.pairs) {
     result.matches.push_back({first.kept[match.first], second.kept[match.second]});
   }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "geometry/rigid3.h"
 #include "reconstruction/matching/epipolar.h"
-#include "reconstruction/matching/guided.h"
+#include "reconstruction/matching/matching.h"
 #include "reconstruction/matching/prepared_picture.h"
+#include "reconstruction/matching/ransac.h"
 #include "scene/view_graph.h"
 
 namespace drupe {
@@ -30,25 +32,33 @@ T Quantile(std::vector<T> values, double share) {
   return *middle;
 }
 
-/// Matches by descriptors alone (MatchDescriptors).
-PairMatches PutativeMatches(const PreparedPicture& first, const PreparedPicture& second, double max_ratio);
-
-/// What verified matches (one at least) say about where further ones can lie, and how much these may look apart.
-GuidedOptions GuideFrom(const PairMatches& verified, const PreparedPicture& first, const PreparedPicture& second,
-                        const EpipolarTransfer& transfer, double max_error, double max_ratio);
-
-/// The verified matches and, of the guided ones, those between features that have none yet.
-PairMatches Extended(const PairMatches& verified, const std::vector<FeatureMatch>& guided, const PreparedPicture& first,
-                     const PreparedPicture& second);
-
 /// True when the middle match moves less than the error: then nothing turned between the pictures.
 bool StandsStill(const PairMatches& matches, double max_error);
 
 /// Of the rays of all matches (one at least), radians.
 double MedianAngle(const Rigid3& pose, const PairMatches& matches);
 
-/// What the graph keeps of verified matches (one at least): by keypoints, ascending, with the share in one plane.
-TwoViewMatches DescribePair(ImagePair pair, const PairMatches& verified, const PreparedPicture& first,
-                            const PreparedPicture& second, double max_error, std::uint64_t seed);
+/// What every way to match a pair starts from, and the steps that all of them take.
+struct PairTask {
+  const PreparedPicture& first;
+  const PreparedPicture& second;
+  const MatchingOptions& options;
+  double max_error;  ///< in the unit of the places
+  std::uint64_t seed;
+
+  bool IsEnough(const PairMatches& matches) const { return static_cast<int>(matches.size()) >= options.min_inliers; }
+  RansacOptions Ransac(double error) const { return {error, options.confidence, options.max_iterations, seed}; }
+
+  /// Matches by descriptors alone (MatchDescriptors).
+  PairMatches Putative() const;
+
+  /// The verified matches (one at least) and those that a second search along the epipolar lines finds between features
+  /// that have none yet, where and with what looks the verified ones lead to expect them.
+  PairMatches Guided(const PairMatches& verified, const EpipolarTransfer& transfer) const;
+
+  /// What the graph keeps of verified matches (one at least) of `putative_count`: by keypoints, ascending, with the
+  /// share in one plane.
+  TwoViewMatches Describe(ImagePair pair, const PairMatches& verified, std::size_t putative_count) const;
+};
 
 }  // namespace drupe
