@@ -31,6 +31,9 @@ void AddDenseBench(CLI::App& bench, int& exit_code);
 /// `bench matching`: matches and wrong ones by ratio threshold (paper Table 1).
 void AddMatchingBench(CLI::App& bench, int& exit_code);
 
+/// `bench bayer`: what a camera's Bayer frames cost in the accuracy of poses.
+void AddBayerBench(CLI::App& bench, int& exit_code);
+
 /// `bench sfm`: cost and errors of structure from motion (paper Table 2), beside COLMAP.
 void AddSfmBench(CLI::App& bench, int& exit_code);
 

@@ -9,6 +9,7 @@ void AddBenchCommand(CLI::App& app, int& exit_code) {
   CLI::App* bench = app.add_subcommand("bench", "Measure a stage on sets whose truth is known, beside its peers");
   bench->require_subcommand(1);
   AddBackgroundBench(*bench, exit_code);
+  AddBayerBench(*bench, exit_code);
   AddContourBench(*bench, exit_code);
   AddDefectsBench(*bench, exit_code);
   AddDenseBench(*bench, exit_code);

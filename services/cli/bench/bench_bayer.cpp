@@ -1,0 +1,115 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "capture/camera/raw_frame.h"
+#include "capture/scan/small_picture.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/set_bench.h"
+#include "cli/bench/text_table.h"
+#include "image/decode.h"
+
+namespace drupe {
+
+namespace {
+
+/// What the user wrote after `drupe bench bayer`.
+struct BayerArguments {
+  SetArguments sets;
+  int jpeg_quality = 97;
+};
+
+/// What is done to a picture before it is coded.
+enum class Sensor { kColour, kMosaic };
+
+/// What a sensor behind red, green, green and blue filters sees of the picture.
+RawFrame MosaicOf(const RgbImage& picture) {
+  RawFrame frame;
+  frame.width = picture.width(), frame.height = picture.height();
+  frame.layout = FrameLayout::kBayerRg;
+  frame.bytes.reserve(static_cast<std::size_t>(frame.width) * frame.height);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) frame.bytes.push_back(picture.At(x, y, (x & 1) + (y & 1)));
+  }
+  return frame;
+}
+
+Result<std::string> Retake(const SourceImage& source, Sensor sensor, const BayerArguments& arguments,
+                           const Limits& limits) {
+  DRUPE_ASSIGN_OR_RETURN(const std::string bytes, source.read());
+  DRUPE_ASSIGN_OR_RETURN(RgbImage picture, DecodeRgb(bytes, limits));
+  if (sensor == Sensor::kMosaic) {
+    DRUPE_ASSIGN_OR_RETURN(picture, DevelopFrame(MosaicOf(picture)));
+  }
+  return EncodeJpeg(picture, arguments.jpeg_quality);
+}
+
+/// The set's pictures as the rig would have handed them over.
+Result<ReconstructionInput> RetakeAll(const TruthSet& set, Sensor sensor, const BayerArguments& arguments) {
+  ReconstructionInput input = set.input;
+  std::vector<Result<std::string>> files(input.images.size(), std::string());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(arguments.sets.Context(), files.size(), [&](std::size_t i) {
+    files[i] = Retake(set.input.images[i], sensor, arguments, input.limits);
+  }));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    DRUPE_RETURN_IF_ERROR(files[i].status());
+    input.images[i].read = [file = std::move(*files[i])]() -> Result<std::string> { return file; };
+  }
+  return input;
+}
+
+Result<PoseErrors> MeasurePoses(const TruthSet& set, const ReconstructionInput& input,
+                                const BayerArguments& arguments) {
+  ReconstructionOptions options;
+  options.run_dense = false;
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput output,
+                         RunReconstruction(input, options, arguments.sets.Context()));
+  return ComparePoses(set, output.model.views);
+}
+
+std::vector<std::string> RowOf(const std::string& name, const PoseErrors& errors, const PoseErrors& from_files) {
+  const double more_percent = 100 * (errors.mean_centre_mm / from_files.mean_centre_mm - 1);
+  return {name, std::to_string(errors.registered) + "/" + std::to_string(errors.of),
+          FixedText(errors.mean_centre_mm, 5), FixedText(errors.mean_rotation_deg, 5),
+          (more_percent < 0 ? "" : "+") + FixedText(more_percent, 1) + " %"};
+}
+
+Status MeasureSet(const TruthSet& set, const BayerArguments& arguments) {
+  DRUPE_ASSIGN_OR_RETURN(const PoseErrors files, MeasurePoses(set, set.input, arguments));
+  std::vector<std::vector<std::string>> rows = {RowOf("the files", files, files)};
+  const std::pair<const char*, Sensor> retaken[] = {{"coded again", Sensor::kColour},
+                                                    {"Bayer frames", Sensor::kMosaic}};
+  for (const auto& [name, sensor] : retaken) {
+    DRUPE_ASSIGN_OR_RETURN(const ReconstructionInput input, RetakeAll(set, sensor, arguments));
+    DRUPE_ASSIGN_OR_RETURN(const PoseErrors errors, MeasurePoses(set, input, arguments));
+    rows.push_back(RowOf(name, errors, files));
+  }
+  std::printf("%s: %zu pictures\n", set.name.c_str(), set.views.size());
+  std::fputs(FormatTextTable({"pictures", "registered", "centre mm", "rotation deg", "centre"}, rows).c_str(), stdout);
+  return Status::Ok();
+}
+
+Status Run(const BayerArguments& arguments) {
+  return MeasureSets(arguments.sets, [&](const TruthSet& set) { return MeasureSet(set, arguments); });
+}
+
+}  // namespace
+
+void AddBayerBench(CLI::App& bench, int& exit_code) {
+  auto arguments = std::make_shared<BayerArguments>();
+  CLI::App* command = bench.add_subcommand(
+      "bayer",
+      "What the rig's Bayer frames cost in accuracy: poses from a set's files, from the same pictures coded again as\n"
+      "the rig codes them, and from the pictures put through a Bayer mosaic, interpolated and coded as the rig does");
+  AddSetArguments(*command, "Sets with images, calibration and truth.json", arguments->sets);
+  command->add_option("--jpeg-quality", arguments->jpeg_quality, "Of the pictures that are coded")
+      ->check(CLI::Range(50, 100))
+      ->capture_default_str();
+  command->callback([arguments, &exit_code] { exit_code = BenchExitCode(Run(*arguments)); });
+}
+
+}  // namespace drupe
