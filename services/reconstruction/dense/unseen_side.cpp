@@ -1,12 +1,13 @@
 #include "reconstruction/dense/unseen_side.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "geometry/robust.h"
+#include "geometry/solve_symmetric.h"
 #include "geometry/spherical_harmonics.h"
 
 namespace drupe::dense {
@@ -17,6 +18,8 @@ constexpr int kBands = 48, kSectors = 96;  ///< cells of directions: bands of eq
 constexpr int kCells = kBands * kSectors;
 constexpr int kDegree = 8;
 constexpr double kSmoothness = 1e-6;  ///< FitSphericalFunction's
+constexpr int kRobustRounds = 5;
+constexpr double kLeastSigma = 1e-4;  ///< of the logarithm of a radius
 constexpr int kSamplesASide = 4;      ///< guessed points of a cell, along each of its sides
 constexpr double kMostInward = 0.02;  ///< share of points whose normal may point towards the middle
 
@@ -45,7 +48,7 @@ Eigen::Vector3d MiddleOf(const PointCloud& cloud) {
     lhs += row * row.transpose();
     rhs += p.squaredNorm() * row;
   }
-  return origin + 0.5 * Eigen::Vector3d(lhs.ldlt().solve(rhs).head<3>());
+  return origin + 0.5 * SolveSymmetric(lhs, rhs).head<3>();
 }
 
 bool BulgesOutward(const PointCloud& cloud, const Eigen::Vector3d& middle) {
@@ -85,17 +88,49 @@ SeenCells CollectCells(const PointCloud& cloud, const Eigen::Vector3d& middle) {
   return seen;
 }
 
-Result<SphericalFunction> FitSeen(const SeenCells& seen) {
+/// Directions of the seen cells, one of norm 1 for each, the logarithms of their radii, and how much they count: those
+/// that hold few points for less, since what lies alone beyond the edge of the seen is seldom skin.
+struct SeenSamples {
   std::vector<Eigen::Vector3d> directions;
-  std::vector<double> values;
+  Eigen::VectorXd log_radii, weights;
+};
+
+SeenSamples SamplesOf(const SeenCells& seen) {
+  SeenSamples samples;
+  std::vector<double> radii, counts;
   for (int cell = 0; cell < kCells; ++cell) {
     if (seen.points[cell] == 0) continue;
-    directions.push_back(DirectionAt(cell / kSectors + 0.5, cell % kSectors + 0.5));
-    values.push_back(seen.log_radius[cell]);
+    samples.directions.push_back(DirectionAt(cell / kSectors + 0.5, cell % kSectors + 0.5));
+    radii.push_back(seen.log_radius[cell]);
+    counts.push_back(seen.points[cell]);
   }
-  const Eigen::Map<const Eigen::VectorXd> radii(values.data(), static_cast<Eigen::Index>(values.size()));
-  return FitSphericalFunction(kDegree, SphericalBasisRows(kDegree, directions), radii,
-                              Eigen::VectorXd::Ones(radii.size()), kSmoothness);
+  const double usual = Median(counts);
+  for (double& count : counts) count = std::min(1.0, count / usual);
+  const auto size = static_cast<Eigen::Index>(radii.size());
+  samples.log_radii = Eigen::Map<const Eigen::VectorXd>(radii.data(), size);
+  samples.weights = Eigen::Map<const Eigen::VectorXd>(counts.data(), size);
+  return samples;
+}
+
+/// By iterative reweighting: a few wrong points beyond the edge of the seen would bend all of what is continued there.
+Result<SphericalFunction> FitSeen(const SeenCells& seen) {
+  const SeenSamples samples = SamplesOf(seen);
+  const Eigen::MatrixXd basis = SphericalBasisRows(kDegree, samples.directions);
+  Eigen::VectorXd weights = samples.weights;
+  Result<SphericalFunction> fit = FitSphericalFunction(kDegree, basis, samples.log_radii, weights, kSmoothness);
+  for (int round = 0; round < kRobustRounds && fit.ok(); ++round) {
+    std::vector<double> residuals;
+    for (std::size_t i = 0; i < samples.directions.size(); ++i) {
+      residuals.push_back(samples.log_radii[static_cast<Eigen::Index>(i)] - fit->At(samples.directions[i])[0]);
+    }
+    const double sigma = std::max(RobustSigma(residuals), kLeastSigma);
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      weights[row] = samples.weights[row] * TukeyWeight(residuals[i] / sigma);
+    }
+    fit = FitSphericalFunction(kDegree, basis, samples.log_radii, weights, kSmoothness);
+  }
+  return fit;
 }
 
 /// The point of the surface in a direction, and its normal from two points beside it.

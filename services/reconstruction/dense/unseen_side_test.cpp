@@ -38,6 +38,18 @@ TEST(GuessUnseenSide, ContinuesTheSkin) {
   EXPECT_LT(lowest, -0.99f);
 }
 
+TEST(GuessUnseenSide, IsNotBentByAFewWrongPointsBeyondTheSeen) {
+  PointCloud cloud = Ball(kMiddle, -0.5);
+  for (int i = 0; i < 60; ++i) {
+    const double turn = 0.4 + 0.01 * i, z = -0.7, r = std::sqrt(1 - z * z);
+    cloud.normals.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
+    cloud.positions.push_back(kMiddle + 0.93f * kCutRadius * cloud.normals.back());
+  }
+  const PointCloud guessed = GuessUnseenSide(cloud);
+  ASSERT_GT(guessed.size(), 1000u);
+  for (const Eigen::Vector3f& position : guessed.positions) ASSERT_NEAR((position - kMiddle).norm(), kCutRadius, 0.1f);
+}
+
 TEST(GuessUnseenSide, AddsNothingWhereItCannotKnow) {
   EXPECT_TRUE(GuessUnseenSide(PointCloud()).empty());
   EXPECT_TRUE(GuessUnseenSide(Ball(kMiddle, -1)).empty());  // all of it was seen
