@@ -1,8 +1,10 @@
 #include "geometry/spherical_harmonics.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "geometry/positive_solve.h"
 
 namespace drupe {
 namespace {
@@ -73,12 +75,12 @@ Result<SphericalFunction> FitSphericalFunction(int degree, const Eigen::MatrixXd
     const double bend = static_cast<double>(l) * (l + 1);
     for (int m = -l; m <= l; ++m) lhs(Index(l, m), Index(l, m)) += weight_sum * (smoothness * bend * bend + 1e-12);
   }
-  const Eigen::MatrixXd rhs = weighted.transpose() * (weights.cwiseSqrt().asDiagonal() * values);
-  const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> solver(lhs);
-  if (solver.info() != Eigen::Success) {
+  Eigen::MatrixXd solution = weighted.transpose() * (weights.cwiseSqrt().asDiagonal() * values);
+  if (!FactorPositive(lhs)) {
     return Unprocessable("too_few_directions", "too few directions to fit a smooth function on the sphere");
   }
-  return SphericalFunction(degree, solver.solve(rhs));
+  SolveFactored(lhs, solution);
+  return SphericalFunction(degree, std::move(solution));
 }
 
 }  // namespace drupe

@@ -1,6 +1,5 @@
 #include "reconstruction/sparse/distributed_adjustment.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -8,6 +7,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "geometry/positive_solve.h"
 #include "reconstruction/sparse/banded_cholesky.h"
 #include "reconstruction/sparse/share_elimination.h"
 
@@ -23,9 +23,11 @@ constexpr Eigen::Index kMostDenseParameters = 600;
 /// larger sets most views have no track in common, and the system is treated as the sparse one it is.
 std::optional<Eigen::VectorXd> SolveReduced(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right) {
   if (normal.rows() <= kMostDenseParameters) {
-    const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-    if (solver.info() != Eigen::Success) return std::nullopt;
-    return solver.solve(right);
+    Eigen::MatrixXd factor = normal;
+    if (!FactorPositive(factor)) return std::nullopt;
+    Eigen::VectorXd solution = right;
+    SolveFactored(factor, solution);
+    return solution;
   }
   return SolveBanded(normal, right, 6);
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/positive_solve.h"
+
 namespace drupe {
 namespace {
 
@@ -134,11 +136,12 @@ bool ShareElimination::EliminateInner(double damping) {
   if (inner == 0) return true;
   Eigen::MatrixXd own = normal_.topLeftCorner(inner, inner);
   own.diagonal() += damping * diagonal_.head(inner).cwiseMax(kSmallestDiagonal);
-  inner_.compute(own);
-  if (inner_.info() != Eigen::Success) return false;
+  if (!FactorPositive(own)) return false;
   const auto coupling = normal_.bottomLeftCorner(shared, inner);
-  inner_by_shared_ = inner_.solve(coupling.transpose());
-  inner_gradient_ = inner_.solve(gradient_.head(inner));
+  inner_by_shared_ = coupling.transpose();
+  SolveFactored(own, inner_by_shared_);
+  inner_gradient_ = gradient_.head(inner);
+  SolveFactored(own, inner_gradient_);
   normal_.bottomRightCorner(shared, shared) -= coupling * inner_by_shared_;
   gradient_.tail(shared) -= coupling * inner_gradient_;
   return true;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
@@ -74,7 +73,6 @@ class ShareElimination {
   std::vector<Matrix63> couplings_;  ///< of the track at hand, one a tie
   Eigen::MatrixXd normal_;           ///< lower triangle
   Eigen::VectorXd gradient_, diagonal_, step_;
-  Eigen::LLT<Eigen::MatrixXd> inner_;
   Eigen::MatrixXd inner_by_shared_;  ///< inverse of the inner block times its coupling
   Eigen::VectorXd inner_gradient_;   ///< inverse of the inner block times its gradient
   double cost_ = 0;

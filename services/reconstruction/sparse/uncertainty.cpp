@@ -1,12 +1,12 @@
 #include "reconstruction/sparse/uncertainty.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <deque>
 
 #include "base/parallel.h"
+#include "geometry/positive_solve.h"
 #include "reconstruction/sparse/share_elimination.h"
 
 namespace drupe {
@@ -107,9 +107,9 @@ class Uncertainty {
       const Eigen::VectorXd row = ScaleRow(state_, layout_);
       normal.noalias() += row * row.transpose() / (kScaleSigma * kScaleSigma);
     }
-    const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-    if (solver.info() != Eigen::Success) return false;
-    covariance_ = solver.solve(Eigen::MatrixXd::Identity(size, size));
+    if (!FactorPositive(normal)) return false;
+    covariance_ = Eigen::MatrixXd::Identity(size, size);
+    SolveFactored(normal, covariance_);
     return covariance_.allFinite();
   }
 
