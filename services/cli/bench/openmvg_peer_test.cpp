@@ -1,12 +1,8 @@
 #include "cli/bench/openmvg_peer.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-
+#include "cli/bench/fake_programs.h"
 #include "cli/bench/neighbour_pairs.h"
 
 namespace drupe {
@@ -34,50 +30,18 @@ constexpr const char* kSfmData = R"({
                {"key": 7, "value": {"X": [0.1, 0.5, 4.5], "observations": []}}],
  "control_points": []})";
 
-/// A directory with programs that stand where OpenMVG's would, and nothing else on PATH while it lives.
-class FakeOpenMvg {
- public:
-  FakeOpenMvg() : directory_(testing::TempDir() + "fake_openmvg_" + std::to_string(::getpid())) {
-    std::filesystem::remove_all(directory_);
-    std::filesystem::create_directories(directory_ / "bin");
-    std::filesystem::create_directories(directory_ / "out");
-    const char* path = std::getenv("PATH");
-    old_path_ = path == nullptr ? "" : path;
-    setenv("PATH", (directory_ / "bin").c_str(), 1);
-    std::ofstream(directory_ / "recorded.json") << kSfmData;
+/// Programs that stand where OpenMVG's would: the first and the last write the recorded file into out/.
+void AddOpenMvg(const FakePrograms& fake) {
+  fake.Write("recorded.json", kSfmData);
+  const auto write_as = [&](const std::string& name) {
+    return "/bin/cp " + fake.Path("recorded.json") + " " + fake.Path("out/" + name);
+  };
+  fake.Add("openMVG_main_SfMInit_ImageListing", write_as("sfm_data.json"));
+  for (const std::string step : {"ComputeFeatures", "PairGenerator", "ComputeMatches", "GeometricFilter", "SfM"}) {
+    fake.Add("openMVG_main_" + step, ":");
   }
-  ~FakeOpenMvg() {
-    setenv("PATH", old_path_.c_str(), 1);
-    std::filesystem::remove_all(directory_);
-  }
-  FakeOpenMvg(const FakeOpenMvg&) = delete;
-  FakeOpenMvg& operator=(const FakeOpenMvg&) = delete;
-
-  /// A program of the step's name that runs `body` (sh) and notes its arguments in out/arguments.
-  void Add(const std::string& step, const std::string& body) const {
-    const std::filesystem::path program = directory_ / "bin" / ("openMVG_main_" + step);
-    std::ofstream(program) << "#!/bin/sh\necho " << step << " \"$@\" >> " << Out() << "/arguments\n" << body << "\n";
-    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-  }
-  /// All programs: the first and the last write the recorded file where OpenMVG would.
-  void AddAll() const {
-    const std::string recorded = (directory_ / "recorded.json").string();
-    Add("SfMInit_ImageListing", "/bin/cp " + recorded + " " + Out() + "/sfm_data.json");
-    for (const char* step : {"ComputeFeatures", "PairGenerator", "ComputeMatches", "GeometricFilter", "SfM"}) {
-      Add(step, ":");
-    }
-    Add("ConvertSfM_DataFormat", "/bin/cp " + recorded + " " + Out() + "/model.json");
-  }
-  std::string Out() const { return (directory_ / "out").string(); }
-  std::string Read(const std::string& name) const {
-    std::ifstream file(directory_ / "out" / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-
- private:
-  std::filesystem::path directory_;
-  std::string old_path_;
-};
+  fake.Add("openMVG_main_ConvertSfM_DataFormat", write_as("model.json"));
+}
 
 TruthSet SetOfThree() {
   TruthSet set;
@@ -108,11 +72,11 @@ TEST(OpenMvgPeer, RefusesWhatIsNoModel) {
 }
 
 TEST(OpenMvgPeer, RunsItsProgramsWithTheWholeLens) {
-  const FakeOpenMvg fake;
+  const FakePrograms fake;
   EXPECT_FALSE(HasOpenMvg());
-  fake.AddAll();
+  AddOpenMvg(fake);
   ASSERT_TRUE(HasOpenMvg());
-  const Result<SfmRun> run = RunOpenMvg(SetOfThree(), fake.Out());
+  const Result<SfmRun> run = RunOpenMvg(SetOfThree(), fake.Path("out"));
   ASSERT_TRUE(run.ok()) << run.status().ToString();
   EXPECT_EQ(run->views.size(), 3u);
   EXPECT_EQ(run->points, 2u);
@@ -120,16 +84,16 @@ TEST(OpenMvgPeer, RunsItsProgramsWithTheWholeLens) {
   EXPECT_NE(arguments.find("-i /sets/three/images"), std::string::npos) << arguments;
   EXPECT_NE(arguments.find("-k 1887;0;632;0;1887;359;0;0;1 -c 4"), std::string::npos) << arguments;
   EXPECT_NE(arguments.find("SfM -s INCREMENTAL"), std::string::npos) << arguments;
-  const Json list = Json::parse(fake.Read("sfm_data.json"));
+  const Json list = Json::parse(fake.Read("out/sfm_data.json"));
   EXPECT_EQ(list["intrinsics"][0]["value"]["ptr_wrapper"]["data"]["disto_t2"],
             Json::parse("[-0.06, 0.01, 0.004, 0.002, 0.003]"));
 }
 
 TEST(OpenMvgPeer, SaysWhichProgramFailed) {
-  const FakeOpenMvg fake;
-  fake.AddAll();
-  fake.Add("ComputeMatches", "exit 4");
-  const Result<SfmRun> run = RunOpenMvg(SetOfThree(), fake.Out());
+  const FakePrograms fake;
+  AddOpenMvg(fake);
+  fake.Add("openMVG_main_ComputeMatches", "exit 4");
+  const Result<SfmRun> run = RunOpenMvg(SetOfThree(), fake.Path("out"));
   EXPECT_EQ(run.status().code(), "peer_failed");
   EXPECT_NE(run.status().message().find("ComputeMatches"), std::string::npos);
 }

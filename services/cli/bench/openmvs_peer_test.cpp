@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-
+#include "cli/bench/fake_programs.h"
 #include "cli/bench/ply_positions.h"
 #include "image/encode.h"
 
@@ -36,41 +33,6 @@ std::string DensePly() {
   return ply;
 }
 
-/// A directory of programs with nothing else on PATH while it lives, and one for what they write.
-class FakePrograms {
- public:
-  explicit FakePrograms(const std::string& name) : directory_(std::filesystem::path(testing::TempDir()) / name) {
-    std::filesystem::remove_all(directory_);
-    std::filesystem::create_directories(directory_ / "bin");
-    const char* path = std::getenv("PATH");
-    old_path_ = path == nullptr ? "" : path;
-    setenv("PATH", (directory_ / "bin").c_str(), 1);
-  }
-  ~FakePrograms() {
-    setenv("PATH", old_path_.c_str(), 1);
-    std::filesystem::remove_all(directory_);
-  }
-  FakePrograms(const FakePrograms&) = delete;
-  FakePrograms& operator=(const FakePrograms&) = delete;
-
-  /// A program that notes its arguments and runs `body` (sh), with $2 the directory that it works in.
-  void Add(const std::string& name, const std::string& body) const {
-    const std::filesystem::path program = directory_ / "bin" / name;
-    std::ofstream(program) << "#!/bin/sh\necho \"$@\" > " << (directory_ / (name + ".arguments")).string() << "\n"
-                           << body << "\n";
-    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-  }
-  std::string Path(const std::string& name) const { return (directory_ / name).string(); }
-  std::string Read(const std::string& name) const {
-    std::ifstream file(directory_ / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-
- private:
-  std::filesystem::path directory_;
-  std::string old_path_;
-};
-
 /// A set of one picture of 8 x 6 pixels, and a model that has placed it.
 TruthSet OnePicture() {
   TruthSet set;
@@ -96,9 +58,9 @@ SparseModel OneView() {
 }
 
 TEST(OpenMvsPeer, GivesItsProgramsTheSceneAndReadsTheCloud) {
-  const FakePrograms fake("fake_openmvs");
+  const FakePrograms fake;
   EXPECT_FALSE(HasOpenMvs());
-  std::ofstream(fake.Path("recorded.ply")) << DensePly();
+  fake.Write("recorded.ply", DensePly());
   fake.Add("InterfaceCOLMAP", "test -s \"$2/images/00000000.png\" || exit 3");
   fake.Add("DensifyPointCloud", "/bin/cp " + fake.Path("recorded.ply") + " \"$2/scene_dense.ply\"");
   ASSERT_TRUE(HasOpenMvs());
@@ -109,11 +71,12 @@ TEST(OpenMvsPeer, GivesItsProgramsTheSceneAndReadsTheCloud) {
   EXPECT_EQ(fake.Read("work/sparse/cameras.txt"), "1 PINHOLE 8 6 10 11 4 3\n");
   EXPECT_EQ(fake.Read("work/sparse/images.txt"), "1 1 0 0 0 1 2 3 1 00000000.png\n\n");
   EXPECT_EQ(fake.Read("work/sparse/points3D.txt"), "1 0.5 0.25 4 0 0 0 0 1 0\n");
-  EXPECT_NE(fake.Read("DensifyPointCloud.arguments").find("--max-threads 2"), std::string::npos);
+  const std::string arguments = fake.Read("arguments");
+  EXPECT_NE(arguments.find("--max-threads 2", arguments.find("DensifyPointCloud ")), std::string::npos) << arguments;
 }
 
 TEST(OpenMvsPeer, SaysWhichProgramFailed) {
-  const FakePrograms fake("failing_openmvs");
+  const FakePrograms fake;
   fake.Add("InterfaceCOLMAP", ":");
   fake.Add("DensifyPointCloud", "exit 4");
   const Result<PeerCloud> failed = RunOpenMvs(OnePicture(), OneView(), fake.Path("work"), 1);
