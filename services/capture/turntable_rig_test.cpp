@@ -50,6 +50,21 @@ TEST_F(GrblTurntableTest, CountsFromWhereItStoodAndInItsDirection) {
   EXPECT_NEAR(driver->Read()->angle_deg, -13, 1e-3);
 }
 
+TEST_F(GrblTurntableTest, AsksAgainWhenAnAnswerIsLate) {
+  const auto driver = Open();
+  ASSERT_TRUE(driver->Prepare().ok());
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(driver->Read().ok());  // one of them is quick, however busy the machine
+  ASSERT_TRUE(driver->StartTurn(kFarDeg, 50).ok());
+  const int before = emulator_->reports();
+  emulator_->DelayReport(std::chrono::milliseconds(700));
+  const auto asked = std::chrono::steady_clock::now();
+  const auto reading = driver->Read();
+  ASSERT_TRUE(reading.ok()) << reading.status().ToString();
+  EXPECT_GE(emulator_->reports(), before + 2);
+  EXPECT_GE(reading->at, asked + std::chrono::milliseconds(700));  // not by the late answer
+  ASSERT_TRUE(driver->Stop().ok());
+}
+
 TEST_F(GrblTurntableTest, HomesWhenAskedTo) {
   table_.Move(33, 1000);
   ASSERT_TRUE(Becomes([&] { return !table_.moving(); }));

@@ -69,7 +69,7 @@ void GrblEmulator::Run() {
 void GrblEmulator::Take(char c) {
   switch (c) {
     case '?':
-      return Say(Report());
+      return SendReport();
     case '!':
       held_ = table_.moving();
       return table_.Stop();
@@ -144,6 +144,13 @@ void GrblEmulator::Say(std::string_view text) {
   if (silent_) return;
   const ssize_t ignored = write(fd_, text.data(), text.size());
   (void)ignored;  // a driver that does not read loses lines, as on a real line
+}
+
+void GrblEmulator::SendReport() {
+  const std::string report = Report();
+  std::this_thread::sleep_for(delay_.exchange(std::chrono::milliseconds(0)));
+  ++reports_;
+  Say(report);
 }
 
 std::string GrblEmulator::Report() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -28,6 +29,10 @@ class GrblEmulator {
   void RaiseAlarm();
   /// Fault: it hears and says nothing.
   void set_silent(bool silent) { silent_ = silent; }
+  /// Fault: the next status report lies about for so long before it is sent.
+  void DelayReport(std::chrono::milliseconds delay) { delay_ = delay; }
+  /// Status reports sent so far.
+  int reports() const { return reports_; }
 
  private:
   GrblEmulator(SimulatedTable& table, int fd, int own_end, std::string device);
@@ -37,6 +42,7 @@ class GrblEmulator {
   void Move(std::string_view line);
   void Reset();
   void Say(std::string_view text);
+  void SendReport();
   std::string Report() const;
 
   SimulatedTable& table_;
@@ -50,6 +56,8 @@ class GrblEmulator {
   std::atomic<bool> locked_{true};
   std::atomic<bool> alarm_due_{false};
   std::atomic<bool> silent_{false};
+  std::atomic<std::chrono::milliseconds> delay_{std::chrono::milliseconds(0)};
+  std::atomic<int> reports_{0};
   std::atomic<bool> held_{false};
   std::atomic<bool> ending_{false};
   std::thread thread_;
