@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "reconstruction/similarity/products.h"
+
 namespace drupe {
 
 Eigen::VectorXf FisherVector(const SampleMatrix& samples, const GaussianMixture& mixture) {
@@ -11,8 +13,8 @@ Eigen::VectorXf FisherVector(const SampleMatrix& samples, const GaussianMixture&
   const auto count = static_cast<float>(samples.cols());
   const Eigen::MatrixXf posteriors = mixture.Posteriors(samples);
   const Eigen::VectorXf totals = posteriors.rowwise().sum() / count;
-  const Eigen::MatrixXf sums = samples * posteriors.transpose() / count;
-  const Eigen::MatrixXf squares = samples.cwiseAbs2() * posteriors.transpose() / count;
+  const Eigen::MatrixXf sums = TimesTranspose(samples, posteriors) / count;
+  const Eigen::MatrixXf squares = TimesTranspose(samples.cwiseAbs2(), posteriors) / count;
   for (Eigen::Index k = 0; k < components; ++k) {
     const Eigen::ArrayXf mean = mixture.means.col(k), variance = mixture.variances.col(k);
     const float weight = mixture.weights[k], root = std::sqrt(weight);

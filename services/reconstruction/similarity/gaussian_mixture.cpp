@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "reconstruction/similarity/products.h"
+
 namespace drupe {
 namespace {
 
@@ -16,8 +18,8 @@ constexpr float kVarianceFloor = 0.01f;
 
 /// The index of the nearest mean, for every sample.
 std::vector<Eigen::Index> NearestMeans(const SampleMatrix& samples, const Eigen::MatrixXf& means) {
-  const Eigen::MatrixXf scores =
-      (means.transpose() * samples).colwise() - 0.5f * means.colwise().squaredNorm().transpose();
+  Eigen::MatrixXf scores = TransposeTimes(means, samples);
+  for (Eigen::Index k = 0; k < means.cols(); ++k) scores.row(k).array() -= 0.5f * means.col(k).squaredNorm();
   std::vector<Eigen::Index> nearest(samples.cols());
   for (Eigen::Index t = 0; t < samples.cols(); ++t) scores.col(t).maxCoeff(&nearest[t]);
   return nearest;
@@ -62,8 +64,8 @@ Eigen::VectorXf OverallVariance(const SampleMatrix& samples) {
 void Maximise(const SampleMatrix& samples, const Eigen::MatrixXf& posteriors, const Eigen::VectorXf& floor,
               GaussianMixture& mixture) {
   const Eigen::VectorXf totals = posteriors.rowwise().sum();
-  const Eigen::MatrixXf sums = samples * posteriors.transpose();
-  const Eigen::MatrixXf squares = samples.cwiseAbs2() * posteriors.transpose();
+  const Eigen::MatrixXf sums = TimesTranspose(samples, posteriors);
+  const Eigen::MatrixXf squares = TimesTranspose(samples.cwiseAbs2(), posteriors);
   for (Eigen::Index k = 0; k < mixture.size(); ++k) {
     if (totals[k] < 1) continue;
     mixture.means.col(k) = sums.col(k) / totals[k];
@@ -82,8 +84,8 @@ Eigen::MatrixXf GaussianMixture::Posteriors(const SampleMatrix& samples) const {
   const Eigen::VectorXf squared = means.cwiseAbs2().cwiseProduct(precisions).colwise().sum();
   const Eigen::VectorXf logs = variances.array().log().matrix().colwise().sum();
   const Eigen::VectorXf constants = weights.array().log().matrix() - 0.5f * (squared + logs);
-  Eigen::MatrixXf posteriors = means.cwiseProduct(precisions).transpose() * samples;
-  posteriors.noalias() -= 0.5f * precisions.transpose() * samples.cwiseAbs2();
+  Eigen::MatrixXf posteriors = TransposeTimes(means.cwiseProduct(precisions), samples);
+  posteriors -= TransposeTimes(0.5f * precisions, samples.cwiseAbs2());
   posteriors.colwise() += constants;
   const Eigen::RowVectorXf highest = posteriors.colwise().maxCoeff();
   posteriors = (posteriors.rowwise() - highest).array().exp();

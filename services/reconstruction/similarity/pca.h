@@ -10,9 +10,7 @@ struct Pca {
   Eigen::MatrixXf basis;  ///< input dimensions x kept dimensions, orthonormal columns, most variance first
 
   /// samples (one a column) in the reduced space.
-  Eigen::MatrixXf Reduce(const Eigen::MatrixXf& samples) const {
-    return basis.transpose() * (samples.colwise() - mean);
-  }
+  Eigen::MatrixXf Reduce(const Eigen::MatrixXf& samples) const;
 };
 
 /// Keeps `dimensions` <= samples.rows() directions; at least one sample.
