@@ -172,6 +172,19 @@ TEST_F(PostgresJobStoreTest, KilledProcessLeavesNoHalfTransaction) {
   }
 }
 
+TEST_F(PostgresJobStoreTest, ServerGivesUpTheTransactionOfAFrozenProcessWithinSeconds) {
+  Process process(schema_);
+  std::string patience;
+  const auto show = [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const auto row, process.database->Prepare("SHOW idle_in_transaction_session_timeout"));
+    DRUPE_ASSIGN_OR_RETURN(const bool found, row->Step());
+    if (found) patience = row->Text(0);
+    return Status::Ok();
+  };
+  ASSERT_TRUE(process.database->Transaction(Durability::kProcessDeath, show).ok());
+  EXPECT_EQ(patience, "5s");
+}
+
 TEST_F(PostgresJobStoreTest, ManyProcessesMayCreateTheTablesAtOnce) {
   std::vector<std::thread> starting;
   for (int i = 0; i < 6; ++i) {
