@@ -1,11 +1,11 @@
 #include "defect_analysis/fruit/closed_surface.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "geometry/robust.h"
+#include "geometry/solve_symmetric.h"
 #include "geometry/spherical_harmonics.h"
 
 namespace drupe {
@@ -84,7 +84,7 @@ double EquatorHeight(const SeenCells& seen, const Eigen::VectorXd& weights, cons
     normal += weights[i] * row * row.transpose();
     rhs += weights[i] * (x.squaredNorm() - height * height) * row;
   }
-  const Eigen::Vector3d parabola = normal.ldlt().solve(rhs);
+  const Eigen::Vector3d parabola = SolveSymmetric(normal, rhs);
   return parabola[2] < 0 ? -parabola[1] / (2 * parabola[2]) : 0;
 }
 
@@ -153,7 +153,7 @@ Result<Sphere> FitSphere(const std::vector<Eigen::Vector3d>& points) {
       normal += weights[i] * row * row.transpose();
       rhs += weights[i] * x.squaredNorm() * row;
     }
-    const Eigen::Vector4d solution = normal.ldlt().solve(rhs);
+    const Eigen::Vector4d solution = SolveSymmetric(normal, rhs);
     sphere.centre = solution.head<3>() + origin;
     const double squared = solution[3] + solution.head<3>().squaredNorm();
     if (!(squared > 0) || !std::isfinite(squared)) return NotAFruit("the points lie on no sphere");

@@ -1,10 +1,10 @@
 #include "defect_analysis/models/train_class_model.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "base/ids.h"
+#include "geometry/positive_solve.h"
 
 namespace drupe {
 namespace {
@@ -50,7 +50,8 @@ class Likelihood {
       for (int b = 0; b < classes_; ++b) {
         const Eigen::VectorXd curvature =
             probabilities.col(a).array() * ((a == b ? 1.0 : 0.0) - probabilities.col(b).array());
-        hessian.block(a * n, b * n, n, n) = inputs_.transpose() * curvature.asDiagonal() * inputs_;
+        const Eigen::MatrixXd curved = curvature.asDiagonal() * inputs_;
+        hessian.block(a * n, b * n, n, n).noalias() = inputs_.transpose() * curved;
       }
       hessian.diagonal().segment(a * n, n) += penalty_;
     }
@@ -82,7 +83,9 @@ Eigen::MatrixXd Maximise(const Likelihood& likelihood, int classes) {
   for (int step = 0; step < kMaxSteps; ++step) {
     likelihood.Derive(weights, gradient, hessian);
     if (gradient.lpNorm<Eigen::Infinity>() <= kGradient * static_cast<double>(likelihood.size())) break;
-    const Eigen::VectorXd move = hessian.ldlt().solve(-gradient);
+    if (!FactorPositive(hessian)) break;
+    Eigen::VectorXd move = -gradient;
+    SolveFactored(hessian, move);
     const Eigen::MatrixXd rows = move.reshaped<Eigen::RowMajor>(classes, kClassFeatures + 1);
     double length = 1;
     int halvings = 0;
