@@ -12,6 +12,7 @@
 #include "jobs/job_runner.h"
 #include "reconstruction/image_sets.h"
 #include "reconstruction/object_derived_cache.h"
+#include "reconstruction/part_jobs.h"
 #include "reconstruction/prepare_job.h"
 #include "reconstruction/reconstruct_job.h"
 #include "reconstruction/routes.h"
@@ -91,7 +92,7 @@ Webhooks::Describe DescribeWith(const LinkBase& links) {
   };
 }
 
-/// The three kinds of work. Announcements have a runner of their own, so that they never wait for a reconstruction, and
+/// The kinds of work. Announcements have a runner of their own, so that they never wait for a reconstruction, and
 /// so has what is done while pictures arrive, so that it never takes more than its threads.
 class Workers {
  public:
@@ -105,6 +106,7 @@ class Workers {
     reconstructions_.Handle(kReconstructKind,
                             ReconstructJob(*stores.objects, *stores.jobs, stores.derived.get(), limits),
                             ReconstructStages());
+    reconstructions_.Handle(kPartKind, PartJob(*stores.objects, limits));
     announcements_.Handle(kAnnounceKind, AnnounceJob(*stores.jobs, analysis));
     preparations_.Handle(kPrepareKind, PrepareJob(*stores.objects, *stores.derived, limits));
   }
@@ -139,9 +141,10 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   DRUPE_ASSIGN_OR_RETURN(const auto webhooks,
                          Webhooks::Open(*stores.database, *stores.jobs, std::move(hooks), DescribeWith(links)));
   Workers workers(stores, settings, options.limits, analysis, service.metrics());
-  StoreKeeper keeper(
-      stores, KeeperOptions(options, "reconstruction", {kReconstructKind, kAnnounceKind, kPrepareKind, kWebhookKind}),
-      ForgetWith(stores, *webhooks));
+  StoreKeeper keeper(stores,
+                     KeeperOptions(options, "reconstruction",
+                                   {kReconstructKind, kPartKind, kAnnounceKind, kPrepareKind, kWebhookKind}),
+                     ForgetWith(stores, *webhooks));
   if (options.role != Role::kWorker) {
     const RouteContext context{
         *stores.objects, *stores.jobs, *stores.sets, options.limits, links, *webhooks, PrepareWorkers(settings) > 0};

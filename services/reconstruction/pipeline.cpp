@@ -145,6 +145,7 @@ Result<PointCloud> BuildDense(const ReconstructionInput& input, const ViewFeatur
   DenseInput dense;
   dense.model = &model;
   dense.load_rgb = [&](int view) { return LoadRgb(input, views, view); };
+  dense.run_parts = input.run_parts;
   return RunDense(dense, options.dense, context);
 }
 
@@ -206,6 +207,19 @@ Result<ReconstructionOutput> RunReconstruction(const ReconstructionInput& input,
   output.timings.total_wall_s = total.WallSeconds();
   output.timings.peak_mb = ProcessPeakMb();
   return output;
+}
+
+Result<std::string> RunReconstructionPart(std::string_view part, const ReconstructionInput& input,
+                                          const ReconstructionOptions& options, const RunContext& context) {
+  const LoadNamedRgb load = [&](const std::string& image) -> Result<RgbImage> {
+    const auto named = std::find_if(input.images.begin(), input.images.end(),
+                                    [&](const SourceImage& source) { return source.name == image; });
+    if (named == input.images.end())
+      return Unprocessable("bad_part", "the part needs a picture that is not in the set");
+    DRUPE_ASSIGN_OR_RETURN(const std::string bytes, named->read());
+    return DecodeRgb(bytes, input.limits);
+  };
+  return RunDensePart(part, options.dense, load, context);
 }
 
 const std::vector<PipelineStage>& ReconstructionStages() {

@@ -10,6 +10,7 @@
 #include "base/limits.h"
 #include "base/run_context.h"
 #include "base/status.h"
+#include "reconstruction/dense/dense.h"
 #include "reconstruction/derived_cache.h"
 #include "reconstruction/pipeline_options.h"
 #include "scene/board.h"
@@ -37,6 +38,7 @@ struct ReconstructionInput {
   /// Gives the bytes that options.similarity.vocabulary names; empty: none can be named.
   std::function<Result<std::string>(const std::string& name)> read_vocabulary = nullptr;
   DerivedCache* cache = nullptr;  ///< what is known of the pictures already; may be null; outlives the run
+  RunParts run_parts = nullptr;   ///< does dense.parts, perhaps elsewhere; empty: everything is done here
 };
 
 /// A picture that was left out, and why.
@@ -60,6 +62,11 @@ struct ReconstructionOutput {
 Result<ReconstructionOutput> RunReconstruction(const ReconstructionInput& input, const ReconstructionOptions& options,
                                                const RunContext& context);
 
+/// One of the parts that RunReconstruction gave to run_parts, on another machine with the same input and options; the
+/// pictures alone are read. Errors: as RunDensePart; 422 `bad_part` for a part with a picture that `input` has not.
+Result<std::string> RunReconstructionPart(std::string_view part, const ReconstructionInput& input,
+                                          const ReconstructionOptions& options, const RunContext& context);
+
 /// A stage that RunReconstruction reports, and the share of the whole time it usually takes.
 struct PipelineStage {
   const char* name;
@@ -73,8 +80,9 @@ const std::vector<PipelineStage>& ReconstructionStages();
 /// error and scale uncertainty, points. The `quality` of the status and of the report.
 Json QualityJson(const ReconstructionOutput& output);
 
-/// The files that a reconstruction leaves, by name: cameras.json sparse.ply colmap.zip model.nvm timings.json, dense.ply
-/// and preview.ply (the same in about 50,000 points) when there is a dense cloud, and mesh.ply when there is a mesh.
+/// The files that a reconstruction leaves, by name: cameras.json sparse.ply colmap.zip model.nvm timings.json,
+/// dense.ply and preview.ply (the same in about 50,000 points) when there is a dense cloud, and mesh.ply when there is
+/// a mesh.
 Result<std::map<std::string, std::string>> MakeArtifacts(const ReconstructionOutput& output);
 
 }  // namespace drupe

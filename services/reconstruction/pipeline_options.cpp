@@ -111,6 +111,7 @@ void Visit(Visitor& visit, DenseOptions& o) {
   visit("max_points", o.max_points);
   visit("memory_limit_mb", o.memory_limit_mb);
   visit("epipolar_seeds", o.epipolar_seeds);
+  visit("parts", o.parts);
   visit("mesh", o.mesh);
 }
 

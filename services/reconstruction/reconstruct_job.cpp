@@ -7,6 +7,7 @@
 
 #include "base/log.h"
 #include "reconstruction/intake.h"
+#include "reconstruction/part_jobs.h"
 #include "reconstruction/pipeline.h"
 #include "reconstruction/reconstruct_input.h"
 #include "reconstruction/reconstruct_request.h"
@@ -63,8 +64,10 @@ Result<Job> WaitUntilEnded(JobStore& jobs, const std::string& id, const RunConte
 Result<Json> ReconstructJob::operator()(const Job& job, const RunContext& context) const {
   DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest request, FromPayload(job.payload));
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOptions options, ParseReconstructionOptions(request.options));
-  DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput output,
-                         RunReconstruction(MakeInput(request, objects_, cache_, limits_), options, context));
+  ReconstructionInput input = MakeInput(request, objects_, cache_, limits_);
+  PartJobs parts(jobs_, objects_, job, context);
+  input.run_parts = [&](const StageParts& work) { return parts.Run(work); };
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput output, RunReconstruction(input, options, context));
   using Artifacts = std::map<std::string, std::string>;
   DRUPE_ASSIGN_OR_RETURN(const Artifacts artifacts, CollectArtifacts(output, request));
   DRUPE_ASSIGN_OR_RETURN(const std::vector<Artifact> stored, StoreArtifacts(artifacts, objects_));

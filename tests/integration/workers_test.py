@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Front and workers as processes of their own that meet in PostgreSQL; one of two workers is killed at its work."""
+import hashlib
 import sys
 import unittest
 
@@ -84,6 +85,26 @@ class WorkersTest(unittest.TestCase):
         self.cluster.start()
         status = self.system.wait_until_ended(job_id)
         self.assertEqual(status["status"], "succeeded", status)
+
+    def test_6_two_workers_share_the_dense_stage_of_one_job(self):
+        """The same bytes as from one worker; the other one has done a part at least, unless the job was too quick."""
+        options = {**QUICK_OPTIONS, "dense": {**QUICK_OPTIONS.get("dense", {}), "level": 1}}
+        alone = self.system.submit(sample_images(IMAGES), options)
+        self.assertEqual(self.system.wait_until_ended(alone)["status"], "succeeded")
+        wanted = self.dense_sha256(alone)
+        for _ in range(5):
+            shared = self.system.submit(sample_images(IMAGES), {**options, "dense": {**options["dense"], "parts": 12}})
+            status = self.system.wait_until_ended(shared)
+            self.assertEqual(status["status"], "succeeded", status)
+            self.assertEqual(self.dense_sha256(shared), wanted)
+            parts = self.system.reconstruction.get(f"/jobs?kind=part&subject={shared}&limit=100").json()["jobs"]
+            self.assertEqual(len(parts), 12)
+            if any(part["status"] == "succeeded" for part in parts):
+                return
+        self.fail("the other worker took no part of five jobs")
+
+    def dense_sha256(self, job_id):
+        return hashlib.sha256(self.system.reconstruction.get(f"/reconstructions/{job_id}/dense.ply").body).hexdigest()
 
 
 if __name__ == "__main__":

@@ -98,14 +98,19 @@ AssembledCloud Join(std::vector<ViewPoints>* parts) {
 
 }  // namespace
 
-Result<AssembledCloud> AssembleCloud(const LevelContext& fine, const std::function<PatchMap(int view)>& fine_map,
+Result<AssembledCloud> AssembleCloud(const LevelContext& fine,
+                                     const std::function<Result<PatchMap>(int view)>& fine_map,
                                      const LevelContext& coarse, const std::vector<PatchMap>& coarse_maps,
                                      const RunContext& run) {
   std::vector<ViewPoints> parts(coarse_maps.size());
+  std::vector<Status> outcomes(parts.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, parts.size(), [&](std::size_t view) {
     const int index = static_cast<int>(view);
-    CollectView(fine, fine_map(index), coarse, coarse_maps, index, &parts[view]);
+    const Result<PatchMap> map = fine_map(index);
+    outcomes[view] = map.status();
+    if (map.ok()) CollectView(fine, *map, coarse, coarse_maps, index, &parts[view]);
   }));
+  for (const Status& outcome : outcomes) DRUPE_RETURN_IF_ERROR(outcome);
   return Join(&parts);
 }
 

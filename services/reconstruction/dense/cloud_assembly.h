@@ -21,8 +21,9 @@ constexpr double kSeamOverlap = 0.02;
 /// Collects the patches of `fine_map(view)`, which is called once a view and from several threads, so that few of the
 /// large finest maps are in memory at once; in order of view, row and column. A surface element is taken from the view
 /// that sees it best only; strips overlap a little, and MarkDistinct removes what is double. `coarse_maps` at the level
-/// of `coarse` say which views see it.
-Result<AssembledCloud> AssembleCloud(const LevelContext& fine, const std::function<PatchMap(int view)>& fine_map,
+/// of `coarse` say which views see it. Errors: `cancelled`, and the first of fine_map's.
+Result<AssembledCloud> AssembleCloud(const LevelContext& fine,
+                                     const std::function<Result<PatchMap>(int view)>& fine_map,
                                      const LevelContext& coarse, const std::vector<PatchMap>& coarse_maps,
                                      const RunContext& run);
 

@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <exception>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "base/parallel.h"
 #include "reconstruction/dense/cloud_assembly.h"
+#include "reconstruction/dense/dense_part.h"
 #include "reconstruction/dense/epipolar_seeds.h"
 #include "reconstruction/dense/exchange.h"
 #include "reconstruction/dense/expansion.h"
+#include "reconstruction/dense/part_file.h"
 #include "reconstruction/dense/point_colours.h"
-#include "reconstruction/dense/prediction.h"
 #include "reconstruction/dense/progress_span.h"
+#include "reconstruction/dense/refine_view.h"
 #include "reconstruction/dense/scene_loader.h"
-#include "reconstruction/dense/surface_fit.h"
 #include "reconstruction/dense/visibility.h"
 
 namespace drupe {
@@ -25,11 +27,8 @@ namespace {
 
 constexpr int kCoarseCsize = 2;          ///< of all levels above the finest
 constexpr float kSeedSlopeSigma = 0.5f;  ///< pixels of parallax a pixel: seeds know little of the normal
-constexpr float kRefineSlopeSigma = 0.05f;
-constexpr float kLeastPriorSigma = 0.03f, kLargestPriorSigma = 1.0f;  ///< pixels of parallax
-constexpr int kFitRadius = 5;                                         ///< cells of a level above the finest
-constexpr int kFinestFitRadius = 8;                                   ///< cells of the finest level
-constexpr int kFitMargin = kFinestFitRadius / kCoarseCsize / 2;       ///< that radius in cells of the level above
+constexpr int kFitRadius = 5;            ///< cells of a level above the finest
+constexpr int kFitMargin = kFinestFitRadius / kCoarseCsize / 2;  ///< that radius in cells of the level above
 
 // The stage's progress after the steps, about their shares of the time.
 constexpr double kGrownShare = 0.2, kCoarseShare = 0.4;
@@ -39,13 +38,6 @@ struct LevelState {
   LevelContext context;
   std::vector<PatchMap> maps;
 };
-
-SurfaceFitSettings FitSettings(const DenseOptions& options, int radius) {
-  SurfaceFitSettings settings;
-  settings.radius = radius;
-  settings.window_px = static_cast<float>(options.wsize);
-  return settings;
-}
 
 Status SmoothMaps(const RunContext& run, const SurfaceFitSettings& settings, std::vector<PatchMap>* maps) {
   return ParallelFor(run, maps->size(),
@@ -85,21 +77,6 @@ Result<LevelState> GrowCoarsest(const DenseScene& scene, int level, const RunCon
   return state;
 }
 
-/// The view's patches at the level of `context` from those of the level above; `wanted` as in PredictGuesses.
-PatchMap RefineMap(const LevelContext& context, int view, const PatchMap& coarse,
-                   const std::vector<std::uint8_t>& wanted, const RunContext& run) {
-  PatchMap map = context.EmptyMap(view);
-  std::vector<PatchGuess> guesses = PredictGuesses(coarse, wanted, map);
-  const auto window_px = static_cast<float>(context.scene->options->wsize);
-  for (PatchGuess& guess : guesses) {
-    guess.plane.w += PlaneBias(guess.plane, window_px);  // as this level's planes will lie
-    guess.plane.sigma = std::clamp(guess.plane.sigma, kLeastPriorSigma, kLargestPriorSigma);
-  }
-  PlaceGuesses(context, view, guesses, kRefineSlopeSigma, run.cancelled, &map);
-  KeepGuesses(guesses, &map);
-  return map;
-}
-
 /// The level below `coarse`, refined and grown further. `from` and `to` are its part of the stage's progress.
 Result<LevelState> RefineWhole(const LevelState& coarse, double from, double to, const RunContext& run) {
   LevelState state{MakeLevelContext(*coarse.context.scene, coarse.context.level - 1, kCoarseCsize),
@@ -128,24 +105,78 @@ int FinestCsize(const LevelState& coarse, std::int64_t cells) {
   return csize;
 }
 
-/// The points of the finest level, which each view refines only where it owns the surface.
-Result<AssembledCloud> RefineOwned(const LevelState& coarse, const RunContext& run) {
-  const DenseScene& scene = *coarse.context.scene;
-  std::vector<std::vector<std::uint8_t>> owned(coarse.maps.size());
-  DRUPE_RETURN_IF_ERROR(ParallelFor(run, owned.size(), [&](std::size_t view) {
-    owned[view] = OwnedCells(coarse.context, static_cast<int>(view), coarse.maps, -kSeamOverlap, kFitMargin);
+/// The finest level, before it is refined.
+struct FinestLevel {
+  LevelContext context;
+  std::vector<std::vector<std::uint8_t>> owned;  ///< per view, cells of the level above
+  std::int64_t cells = 0;                        ///< that are owned
+};
+
+Result<FinestLevel> PlanFinest(const LevelState& coarse, const RunContext& run) {
+  FinestLevel finest;
+  finest.owned.resize(coarse.maps.size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(run, finest.owned.size(), [&](std::size_t view) {
+    finest.owned[view] = OwnedCells(coarse.context, static_cast<int>(view), coarse.maps, -kSeamOverlap, kFitMargin);
   }));
-  std::int64_t cells = 0;
-  for (const auto& flags : owned) cells += CountOwned(flags);
-  const LevelContext fine = MakeLevelContext(scene, coarse.context.level - 1, FinestCsize(coarse, cells));
-  ProgressSpan progress(run, kCoarseShare, kAssembledShare, static_cast<double>(cells));
-  const auto fine_map = [&](int view) {
-    const PatchMap map = RefineMap(fine, view, coarse.maps[view], owned[view], run);
-    PatchMap fitted = FitSurface(map, FitSettings(*scene.options, kFinestFitRadius), run.cancelled);
-    progress.Add(static_cast<double>(CountOwned(owned[view])));
-    return fitted;
+  for (const auto& flags : finest.owned) finest.cells += CountOwned(flags);
+  finest.context = MakeLevelContext(*coarse.context.scene, coarse.context.level - 1, FinestCsize(coarse, finest.cells));
+  return finest;
+}
+
+/// The views in `count` groups of neighbouring ones, as even as can be.
+std::vector<std::vector<ViewWork>> GroupViews(const FinestLevel& finest, const LevelState& coarse, std::size_t count) {
+  std::vector<std::vector<ViewWork>> groups(std::min(count, coarse.maps.size()));
+  for (std::size_t view = 0; view < coarse.maps.size(); ++view) {
+    groups[view * groups.size() / coarse.maps.size()].push_back(
+        {static_cast<int>(view), &coarse.maps[view], &finest.owned[view]});
+  }
+  return groups;
+}
+
+/// The finest maps by view, from parts that other machines may have done.
+using FinestMaps = std::function<Result<PatchMap>(int view)>;
+Result<FinestMaps> RefineInParts(const FinestLevel& finest, const LevelState& coarse, const DenseInput& input,
+                                 const RunContext& run, ProgressSpan& progress) {
+  const DenseOptions& options = *coarse.context.scene->options;
+  const auto groups = GroupViews(finest, coarse, static_cast<std::size_t>(options.parts));
+  StageParts parts;
+  for (const auto& group : groups) parts.parts.push_back(WritePart(finest.context, group));
+  const LoadNamedRgb load = [&](const std::string& image) -> Result<RgbImage> {
+    const auto& views = input.model->views;
+    const auto named = std::find_if(views.begin(), views.end(), [&](const View& view) { return view.image == image; });
+    return input.load_rgb(static_cast<int>(named - views.begin()));
   };
-  return AssembleCloud(fine, fine_map, coarse.context, coarse.maps, run);
+  parts.here = [&](const std::string& part) { return RunDensePart(part, options, load, run); };
+  parts.done = [&](std::size_t part) {
+    for (const ViewWork& work : groups[part]) progress.Add(static_cast<double>(CountOwned(*work.wanted)));
+  };
+  DRUPE_ASSIGN_OR_RETURN(std::vector<std::string> results, input.run_parts(parts));
+  auto read = std::make_shared<std::vector<PartResult>>();
+  std::vector<std::pair<std::size_t, std::size_t>> place(coarse.maps.size());
+  for (std::size_t part = 0; part < groups.size(); ++part) {
+    DRUPE_ASSIGN_OR_RETURN(PartResult result, PartResult::Read(std::move(results[part]), groups[part].size()));
+    read->push_back(std::move(result));
+    for (std::size_t k = 0; k < groups[part].size(); ++k) place[groups[part][k].view] = {part, k};
+  }
+  return FinestMaps([read, place, &finest](int view) {
+    const auto [part, k] = place[view];
+    return (*read)[part].MapOf(k, finest.context.EmptyMap(view));
+  });
+}
+
+/// The points of the finest level, which each view refines only where it owns the surface.
+Result<AssembledCloud> RefineOwned(const LevelState& coarse, const DenseInput& input, const RunContext& run) {
+  DRUPE_ASSIGN_OR_RETURN(const FinestLevel finest, PlanFinest(coarse, run));
+  ProgressSpan progress(run, kCoarseShare, kAssembledShare, static_cast<double>(finest.cells));
+  FinestMaps maps = [&](int view) -> Result<PatchMap> {
+    PatchMap map = RefineFinest(finest.context, view, coarse.maps[view], finest.owned[view], run);
+    progress.Add(static_cast<double>(CountOwned(finest.owned[view])));
+    return map;
+  };
+  if (input.run_parts && coarse.context.scene->options->parts > 1) {
+    DRUPE_ASSIGN_OR_RETURN(maps, RefineInParts(finest, coarse, input, run, progress));
+  }
+  return AssembleCloud(finest.context, maps, coarse.context, coarse.maps, run);
 }
 
 Result<PointCloud> Reconstruct(const DenseInput& input, const DenseOptions& options, const RunContext& run) {
@@ -159,7 +190,7 @@ Result<PointCloud> Reconstruct(const DenseInput& input, const DenseOptions& opti
     DRUPE_ASSIGN_OR_RETURN(coarse, RefineWhole(coarse, share, next, run));
     share = next;
   }
-  DRUPE_ASSIGN_OR_RETURN(AssembledCloud assembled, RefineOwned(coarse, run));
+  DRUPE_ASSIGN_OR_RETURN(AssembledCloud assembled, RefineOwned(coarse, input, run));
   if (assembled.cloud.empty()) {
     return Unprocessable("no_dense_points", "no surface was found on which enough pictures agree");
   }

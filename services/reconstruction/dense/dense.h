@@ -3,6 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/run_context.h"
 #include "base/status.h"
@@ -12,6 +15,15 @@
 
 namespace drupe {
 
+/// Parts of a stage that know nothing of one another, so that they may be done by other machines.
+struct StageParts {
+  std::vector<std::string> parts;                                    ///< all that is known of each
+  std::function<Result<std::string>(const std::string& part)> here;  ///< does one on this machine
+  std::function<void(std::size_t part)> done;                        ///< to be called when its result is there
+};
+/// The results of the parts, in their order.
+using RunParts = std::function<Result<std::vector<std::string>>(const StageParts& parts)>;
+
 /// What a dense cloud is built from.
 struct DenseInput {
   /// Poses and tracks. With scale_source kBoard the world is the board's frame: z up, mm.
@@ -19,6 +31,7 @@ struct DenseInput {
   /// The full picture of a view (index in model->views), camera.width x camera.height. Called once a registered view,
   /// from several threads at a time; only the part that shows the region of interest is kept.
   std::function<Result<RgbImage>(int view)> load_rgb;
+  RunParts run_parts = nullptr;  ///< for options.parts; empty: everything is done here
 };
 
 /// Options of the patch-based reconstruction. Names and meanings follow PMVS (Furukawa & Ponce 2010) where it has them.
@@ -37,6 +50,7 @@ struct DenseOptions {
   std::int64_t max_points = 8'000'000;  ///< csize grows until the cloud is expected to stay below (1000..)
   std::size_t memory_limit_mb = 4000;   ///< level grows until the pictures are expected to fit (100..)
   bool epipolar_seeds = false;          ///< also start from corners matched along epipolar lines, where tracks are rare
+  int parts = 0;                        ///< the finest level is split into so many parts for other machines (0..64)
   bool mesh = false;                    ///< also a closed surface of triangles (BuildPoissonMesh)
 
   /// 400 `invalid_option` with the field that is out of its range.
@@ -50,5 +64,13 @@ struct DenseOptions {
 /// Errors: 400 `invalid_option`; 422 `too_few_views` (fewer than min_image_num registered), `no_seeds` (no track
 /// in the region of interest), `no_dense_points`; `cancelled`; whatever load_rgb returns.
 Result<PointCloud> RunDense(const DenseInput& input, const DenseOptions& options, const RunContext& context);
+
+/// The full picture of that name.
+using LoadNamedRgb = std::function<Result<RgbImage>(const std::string& image)>;
+
+/// Does one of the parts that RunDense gave to run_parts, with the options that it had: the same bytes wherever this
+/// build runs. Errors: 422 `bad_part`, `cancelled`, whatever load_rgb returns.
+Result<std::string> RunDensePart(std::string_view part, const DenseOptions& options, const LoadNamedRgb& load_rgb,
+                                 const RunContext& context);
 
 }  // namespace drupe

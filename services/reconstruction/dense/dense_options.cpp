@@ -23,6 +23,7 @@ Status DenseOptions::Check() const {
   if (wsize % 2 == 0) return InvalidArgument("invalid_option", "wsize must be odd", "wsize");
   DRUPE_RETURN_IF_ERROR(CheckRange("threshold", threshold, 0.0, 1.0));
   DRUPE_RETURN_IF_ERROR(CheckRange("min_image_num", min_image_num, 2, 16));
+  DRUPE_RETURN_IF_ERROR(CheckRange("parts", parts, 0, 64));
   DRUPE_RETURN_IF_ERROR(CheckRange("max_angle_deg", max_angle_deg, 1.0, 60.0));
   DRUPE_RETURN_IF_ERROR(CheckRange("min_height_mm", min_height_mm, 0.0, 1000.0));
   DRUPE_RETURN_IF_ERROR(CheckRange<std::int64_t>("max_points", max_points, 1000, 200'000'000));

@@ -117,6 +117,54 @@ SyntheticScene GlossyBall() {
   return scene;
 }
 
+// Each part with nothing but its bytes and pictures by name, as another machine does it, and the last one first.
+TEST(DenseTest, PartsDoneElsewhereGiveTheSameCloud) {
+  const SyntheticScene& scene = Ball();
+  DenseOptions options;
+  options.parts = 5;
+  const auto named = [&](const std::string& image) -> Result<RgbImage> {
+    for (std::size_t view = 0; view < scene.pictures.size(); ++view) {
+      if (scene.model.views[view].image == image) return scene.pictures[view].Clone();
+    }
+    return Internal("unknown", image);
+  };
+  DenseInput input = InputOf(scene);
+  std::size_t done = 0;
+  input.run_parts = [&](const StageParts& parts) -> Result<std::vector<std::string>> {
+    EXPECT_EQ(parts.parts.size(), 5u);
+    std::vector<std::string> results(parts.parts.size());
+    for (std::size_t k = results.size(); k-- > 0;) {
+      DRUPE_ASSIGN_OR_RETURN(results[k], RunDensePart(std::string(parts.parts[k]), options, named, RunContext()));
+      parts.done(k);
+      ++done;
+    }
+    return results;
+  };
+  const Result<PointCloud> cloud = RunDense(input, options, RunContext());
+  ASSERT_TRUE(cloud.ok()) << cloud.status().ToString();
+  EXPECT_EQ(done, 5u);
+  EXPECT_TRUE(WritePly(*cloud) == WritePly(BallCloud()));
+}
+
+TEST(DenseTest, RefusesPartsAndResultsThatAreDamaged) {
+  const SyntheticScene& scene = Ball();
+  DenseOptions options;
+  options.parts = 2;
+  const auto any = [&](const std::string&) -> Result<RgbImage> { return scene.pictures[0].Clone(); };
+  DenseInput input = InputOf(scene);
+  input.run_parts = [&](const StageParts& parts) -> Result<std::vector<std::string>> {
+    const std::string& part = parts.parts[0];
+    for (const std::size_t cut : {std::size_t{0}, part.find('\n') / 2, part.find('\n') + 1, part.size() - 1}) {
+      EXPECT_EQ(RunDensePart(part.substr(0, cut), options, any, RunContext()).status().kind(),
+                StatusKind::kUnprocessable)
+          << cut;
+    }
+    DRUPE_ASSIGN_OR_RETURN(std::string result, parts.here(part));
+    return std::vector<std::string>{result.substr(0, result.size() - 1), result};
+  };
+  EXPECT_EQ(RunDense(input, options, RunContext()).status().code(), "bad_part");
+}
+
 TEST(DenseTest, HighlightsLeaveNoTrace) {
   const SyntheticScene scene = GlossyBall();
   const Result<PointCloud> cloud = RunDense(InputOf(scene), DenseOptions(), RunContext());

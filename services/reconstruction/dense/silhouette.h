@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "reconstruction/dense/background.h"
@@ -14,9 +15,17 @@ class Silhouette {
  public:
   Silhouette() = default;  ///< nothing is background
   Silhouette(const RgbImage& picture, const BackgroundColours& colours);
+  /// The one that has these: pixels a block, blocks, and a flag a block, cols x rows.
+  Silhouette(int block, int cols, int rows, std::vector<std::uint8_t> background)
+      : block_(block), cols_(cols), rows_(rows), background_(std::move(background)) {}
 
   /// For a pixel of the finest level; false outside the picture.
   bool IsBackground(double u, double v) const;
+
+  int block() const { return block_; }
+  int cols() const { return cols_; }
+  int rows() const { return rows_; }
+  const std::vector<std::uint8_t>& background() const { return background_; }
 
  private:
   int block_ = 1, cols_ = 0, rows_ = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
 
 namespace drupe::dense {
 
@@ -83,6 +84,7 @@ SyntheticScene MakeBallScene() {
   for (int i = 0; i < kViews; ++i) {
     const double azimuth = 2 * std::numbers::pi * i / kViews;
     View view;
+    view.image = std::to_string(i) + ".png";
     view.cam_from_world =
         LookingAt(kBallCentre + Eigen::Vector3d(95 * std::cos(azimuth), 95 * std::sin(azimuth), 40), kBallCentre);
     scene.model.views.push_back(view);
