@@ -10,6 +10,7 @@
 #include "cli/bench/dense_truth.h"
 #include "cli/bench/openmvs_peer.h"
 #include "cli/bench/pmvs_peer.h"
+#include "cli/bench/set_bench.h"
 #include "cli/bench/text_table.h"
 #include "image/decode.h"
 
@@ -19,10 +20,9 @@ namespace {
 
 /// What the user wrote after `drupe bench dense`.
 struct DenseArguments {
-  std::vector<std::string> sets;
+  SetArguments sets;
   std::string work = "bench-dense";
   bool no_peers = false;
-  int threads = 0;
 };
 
 struct Cost {
@@ -96,10 +96,8 @@ Status AddPeers(const TruthSet& set, const SparseModel& model, const Sim3& truth
   return Status::Ok();
 }
 
-Status BenchSet(const std::string& directory, const DenseArguments& arguments) {
-  DRUPE_ASSIGN_OR_RETURN(const TruthSet set, LoadTruthSet(directory));
-  RunContext context;
-  context.threads = arguments.threads;
+Status BenchSet(const TruthSet& set, const DenseArguments& arguments) {
+  const RunContext context = arguments.sets.Context();
   ReconstructionOptions options;
   options.run_dense = false;
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput sparse, RunReconstruction(set.input, options, context));
@@ -129,9 +127,8 @@ Status BenchSet(const std::string& directory, const DenseArguments& arguments) {
   return Status::Ok();
 }
 
-Status Bench(const DenseArguments& arguments) {
-  for (const std::string& set : arguments.sets) DRUPE_RETURN_IF_ERROR(BenchSet(set, arguments));
-  return Status::Ok();
+Status Run(const DenseArguments& arguments) {
+  return MeasureSets(arguments.sets, [&](const TruthSet& set) { return BenchSet(set, arguments); });
 }
 
 }  // namespace
@@ -145,12 +142,10 @@ void AddDenseBench(CLI::App& bench, int& exit_code) {
       "and that has a point within 0.10 and 0.20 mm ('visible': of the skin that no other fruit hides); and the 68th\n"
       "percentile of error by expected error, 1 when the cloud's own estimate is right. The same of pmvs2 and of\n"
       "OpenMVS (InterfaceCOLMAP, DensifyPointCloud), from our poses, where they are on PATH.");
-  command->add_option("SET_DIR", arguments->sets, "Sets with images/, calibration.json, truth.json and surface.ply")
-      ->required();
+  AddSetArguments(*command, "Sets with images/, calibration.json, truth.json and surface.ply", arguments->sets);
   command->add_option("--work", arguments->work, "Where the peers' files go")->capture_default_str();
   command->add_flag("--no-peers", arguments->no_peers, "Do not run other programs");
-  command->add_option("--threads", arguments->threads, "Threads; 0: one a core")->check(CLI::Range(0, 1024));
-  command->callback([arguments, &exit_code] { exit_code = BenchExitCode(Bench(*arguments)); });
+  command->callback([arguments, &exit_code] { exit_code = BenchExitCode(Run(*arguments)); });
 }
 
 }  // namespace drupe
