@@ -80,8 +80,7 @@ TEST(RunAnalysis, SpotAcrossAGapIsOneDefect) {
 
 TEST(RunAnalysis, GlossIsNoDefect) {
   SyntheticFruit fruit = SpottedFruit();
-  fruit.spots[0].srgb = Eigen::Vector3d(189, 204, 149);  // the skin's light and a quarter of white's,
-  fruit.spots[0].soft_mm = 1;                            // which fades out, unlike a bleached stain
+  fruit.spots[0].srgb = Eigen::Vector3d(189, 204, 149);  // the skin's light and a quarter of white's
   const auto report = RunAnalysis(InputOf({fruit}), {}, {});
   ASSERT_TRUE(report.ok());
   EXPECT_EQ(report->fruits[0].defects.size(), fruit.spots.size() - 1);

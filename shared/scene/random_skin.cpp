@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "image/colour.h"
 
@@ -14,8 +15,8 @@ constexpr double kLeastContrast = 14;  // Lab units with L halved: what a grader
 constexpr double kOffSkinShare = 0.3;  // of the rain spots: bleached skin, or skin of another hue
 constexpr int kTrials = 40;
 
-Eigen::Vector3d LinearOf(double r, double g, double b) {
-  return (Eigen::Vector3d(r, g, b) / 255).array().pow(2.2);
+Eigen::Vector3d LinearOf(const Eigen::Vector3d& srgb) {
+  return (srgb / 255).array().pow(2.2);
 }
 
 double Contrast(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -48,7 +49,7 @@ Eigen::Vector3d DrawOffSkin(Dice& dice, const Eigen::Vector3d& skin) {
   const Eigen::Vector3d luminance(0.2127, 0.7152, 0.0722);
   const double white = dice.Uniform(0.35, 0.6);
   if (dice.Chance(0.5)) return (1 - white) * skin + white * Eigen::Vector3d(0.75, 0.72, 0.62);
-  const Eigen::Vector3d hues[] = {LinearOf(190, 60, 50), LinearOf(60, 150, 60), LinearOf(200, 150, 20)};
+  const Eigen::Vector3d hues[] = {LinearOf({190, 60, 50}), LinearOf({60, 150, 60}), LinearOf({200, 150, 20})};
   const Eigen::Vector3d& hue = hues[dice.Below(3)];
   return hue * std::min(skin.dot(luminance) / hue.dot(luminance), 0.95 / hue.maxCoeff());
 }
@@ -145,35 +146,22 @@ SkinShape DrawShape(Dice& dice, DefectClass defect_class, const Eigen::Vector3d&
   for (int trial = 0; trial < kTrials; ++trial) {
     const Eigen::Vector3d pigment = DrawPigment(dice, defect_class);
     shape.cover = defect_class == DefectClass::kRainSpot ? dice.Uniform(0.7, 1) : 1;
-    shape.linear = off_skin ? DrawOffSkin(dice, skin) : LinearOf(pigment.x(), pigment.y(), pigment.z());
+    shape.linear = off_skin ? DrawOffSkin(dice, skin) : LinearOf(pigment);
     if (Contrast(shape.ColourOn(skin), skin) > kLeastContrast) return shape;
   }
   // Dark skin under dark pigment: it has come off, and pale flesh shows.
-  shape.linear = LinearOf(214, 196, 160);
+  shape.linear = LinearOf({214, 196, 160});
   if (defect_class == DefectClass::kCrack) shape.depth_mm = dice.Uniform(0.2, 0.35);
   return shape;
 }
 
 Eigen::Vector3d DrawSkinColour(Dice& dice) {
+  // sRGB of yellow, red, purple, brown, dark, grey and pale fruit, and of green fruit twice.
+  static const Eigen::Vector3d kColours[] = {{200, 168, 66},  {166, 52, 48},  {92, 56, 88},
+                                             {124, 92, 58},   {58, 50, 60},   {138, 136, 130},
+                                             {206, 200, 150}, {134, 154, 66}, {134, 154, 66}};
   const double shade = dice.Uniform(0.9, 1.1);
-  switch (dice.Below(9)) {
-    case 0:
-      return LinearOf(shade * 200, shade * 168, shade * 66);  // yellow
-    case 1:
-      return LinearOf(shade * 166, shade * 52, shade * 48);  // red
-    case 2:
-      return LinearOf(shade * 92, shade * 56, shade * 88);  // purple
-    case 3:
-      return LinearOf(shade * 124, shade * 92, shade * 58);  // brown
-    case 4:
-      return LinearOf(shade * 58, shade * 50, shade * 60);  // dark
-    case 5:
-      return LinearOf(shade * 138, shade * 136, shade * 130);  // grey
-    case 6:
-      return LinearOf(shade * 206, shade * 200, shade * 150);  // pale
-    default:
-      return LinearOf(shade * 134, shade * 154, shade * 66);  // green
-  }
+  return LinearOf(shade * kColours[dice.Below(static_cast<int>(std::size(kColours)))]);
 }
 
 }  // namespace drupe

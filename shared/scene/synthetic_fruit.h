@@ -17,13 +17,13 @@ struct SyntheticFruit {
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< from the centre, unit length
     double radius_mm = 1;                                  ///< along the skin
     Eigen::Vector3d srgb{105, 106, 64};
-    double soft_mm = 0.15;  ///< half width of its edge
   };
 
   Eigen::Vector3d centre{0.5, -0.4, 34};
   double equatorial_mm = 18;  ///< half axis
   double polar_mm = 18;       ///< half axis
   std::vector<Spot> spots;
+  double soft_mm = 0.15;   ///< half width of a spot's edge
   double noise_mm = 0.02;  ///< of the points, along the radius
   double lowest = -0.8;    ///< z of the lowest direction that is seen
   int points = 60000;
@@ -80,7 +80,7 @@ struct SyntheticFruit {
     Eigen::Vector3d colour(140 + 14 * mottle, 160 + 6 * mottle, 70 + 4 * mottle);
     for (const Spot& spot : spots) {
       const double distance = equatorial_mm * std::acos(std::clamp(d.dot(spot.direction), -1.0, 1.0));
-      const double t = std::clamp(0.5 + (spot.radius_mm - distance) / (2 * spot.soft_mm), 0.0, 1.0);
+      const double t = std::clamp(0.5 + (spot.radius_mm - distance) / (2 * soft_mm), 0.0, 1.0);
       // Mixed in linear light, as a lens does.
       for (int c = 0; c < 3; ++c) {
         colour[c] =

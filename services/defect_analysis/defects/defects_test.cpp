@@ -255,6 +255,8 @@ TEST(StandsOut, LightDoesNotAndStainsAndPaleScarsDo) {
   EXPECT_TRUE(stands_out({0.375, 0.45, 0.01}));                           // a yellow blotch
   EXPECT_TRUE(stands_out({0.15, 0.14, 0.05}));
   EXPECT_TRUE(stands_out({0.60, 0.50, 0.40}));
+  const Eigen::Vector3d brown(0.155, 0.088, 0.036), scar(0.461, 0.315, 0.157);  // three times as bright: more than light
+  EXPECT_TRUE(StandsOut(FieldOfColours(surface, brown, scar), 9, {}));
 }
 
 TEST(StandsOut, NotFromSkinThatIsAsUneven) {

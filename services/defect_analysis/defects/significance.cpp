@@ -1,6 +1,7 @@
 #include "defect_analysis/defects/significance.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "defect_analysis/defects/stain_edge.h"
 #include "image/colour.h"
@@ -8,15 +9,38 @@
 namespace drupe {
 namespace {
 
-// The colour without the light that it has more than the skin.
-Eigen::Vector3d WithoutAddedLight(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin) {
-  // colour = gain * skin + gloss, by least squares over the channels.
+constexpr double kGrey = 0.1;       // of the mean: channels that differ less do not tell gloss from a change of pigment
+constexpr double kMostLit = 1.5;    // times the skin beside a spot: light on a fruit does not change more within it
+constexpr double kOwnLight = 0.08;  // by which gloss leaves the gain of the skin's own light at 1
+
+/// colour = gain * skin + gloss, by least squares over the channels.
+struct LightFit {
+  double gain = 0;   ///< how much of the skin's own light the colour has
+  double gloss = 0;  ///< added to all channels alike
+};
+
+LightFit FitLight(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin) {
   const Eigen::Array3d skin_dev = skin.array() - skin.mean();
   const double gain = (skin_dev * colour.array()).sum() / std::max(1e-9, skin_dev.square().sum());
-  const double gloss = colour.mean() - gain * skin.mean();
+  return {gain, colour.mean() - gain * skin.mean()};
+}
+
+// The colour without the light that it has more than the skin.
+Eigen::Vector3d WithoutAddedLight(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin) {
+  const auto [gain, gloss] = FitLight(colour, skin);
+  if (gain > kMostLit) return (colour.array() - std::max(0.0, (colour - kMostLit * skin).minCoeff())) / kMostLit;
   if (gain > 1 && gloss > 0) return (colour.array() - gloss) / gain;
   if (gain > 1) return colour / std::max(1.0, colour.dot(skin) / skin.squaredNorm());
   return colour.array() - std::max(0.0, (colour - skin).minCoeff());
+}
+
+// Whether a colour that differs from the skin's only as light makes it may be a stain all the same, if its edge is
+// one's. Gloss is laid over the skin's own light and leaves it as it was, and how the lamps light the skin changes with
+// no edge; bleached or covered skin has lost a part of it, or shows a brighter layer's. On grey skin the two look
+// alike.
+bool MayBePigment(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin) {
+  const bool grey = (skin.array() - skin.mean()).matrix().norm() < kGrey * skin.norm();
+  return grey || std::abs(FitLight(colour, skin).gain - 1) > kOwnLight;
 }
 
 double WeightedDifference(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin, double lightness_weight) {
@@ -43,9 +67,12 @@ bool StandsOut(const TransitionField& field, double threshold, const DefectOptio
 }
 
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options) {
-  return field.noise * options.segmentation.local_sigma <= 1 &&
-         Contrast(field, options.segmentation.lightness_weight) >= threshold &&
-         HasStainsEdge(field, options.contour.level, options.cluster.min_area_mm2);
+  const double weight = options.segmentation.lightness_weight;
+  if (field.noise * options.segmentation.local_sigma > 1 || Contrast(field, weight) < threshold) return false;
+  if (ContrastBeyondLight(field, weight) < threshold && !MayBePigment(field.defect_linear, field.healthy_linear)) {
+    return false;
+  }
+  return HasStainsEdge(field, options.contour.level, options.cluster.min_area_mm2);
 }
 
 }  // namespace drupe

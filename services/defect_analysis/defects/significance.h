@@ -16,10 +16,11 @@ double Contrast(const TransitionField& field, double lightness_weight);
 
 /// Whether a patch differs from the skin right beside it, and not only from the smooth model of the whole fruit's skin,
 /// which is uncertain near the rim of what is seen: the local noise of the skin's colour leaves it local_sigma standard
-/// deviations, and its contrast beyond light reaches `threshold`, or its contrast does and it has a stain's edge.
+/// deviations, and its contrast beyond light reaches `threshold`, or it stands out as a faint one does.
 bool StandsOut(const TransitionField& field, double threshold, const DefectOptions& options);
 
-/// The same for a patch whose contrast reaches a lower `threshold` only: it must have a stain's edge.
+/// The same for a patch whose contrast, light included, reaches `threshold`: it must have a stain's edge, and where
+/// light alone explains its colour, the skin's own light must have changed, as pigment changes it and gloss does not.
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options);
 
 }  // namespace drupe
