@@ -24,7 +24,8 @@ Result<Json> PartJob::operator()(const Job& job, const RunContext& context) cons
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOptions options, ParseReconstructionOptions(request.options));
   DRUPE_ASSIGN_OR_RETURN(const std::string part, objects_.Get(job.payload.value("part", "")));
   DRUPE_ASSIGN_OR_RETURN(const std::string result,
-                         RunReconstructionPart(part, MakeInput(request, objects_, nullptr, limits_), options, context));
+                         RunReconstructionPart(job.payload.value("stage", ""), part,
+                                               MakeInput(request, objects_, nullptr, limits_), options, context));
   DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
   DRUPE_ASSIGN_OR_RETURN(const ObjectInfo stored, objects_.Put(result));
   return Json{{"sha256", stored.sha256}};
@@ -50,7 +51,7 @@ Status PartJobs::OfferAll(const StageParts& parts, std::vector<Offer>& offers) {
     spec.kind = kPartKind;
     spec.id_prefix = "part";
     spec.subject = job_.id;
-    spec.payload = {{"reconstruct", job_.payload}, {"part", stored.sha256}};
+    spec.payload = {{"reconstruct", job_.payload}, {"stage", parts.stage}, {"part", stored.sha256}};
     spec.priority = kPartPriority;
     spec.idempotency_key = "part:" + job_.id + ":" + stored.sha256;
     spec.max_attempts = kPartAttempts;

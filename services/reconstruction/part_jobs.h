@@ -5,9 +5,9 @@
 
 #include "base/limits.h"
 #include "base/run_context.h"
+#include "base/stage_parts.h"
 #include "base/status.h"
 #include "jobs/job_store.h"
-#include "reconstruction/dense/dense.h"
 #include "store/object_store.h"
 
 namespace drupe {
@@ -15,7 +15,8 @@ namespace drupe {
 inline constexpr const char* kPartKind = "part";
 
 /// Does one part of a reconstruction that another worker has at hand. Its payload is that of the reconstruction as
-/// "reconstruct" and the part's digest as "part"; its result {"sha256"} names the object with what came out.
+/// "reconstruct", the "stage", and the part's digest as "part"; its result {"sha256"} names the object with what came
+/// out.
 class PartJob {
  public:
   /// The store must outlive the job.

@@ -117,6 +117,7 @@ Result<SparseModel> BuildSparse(const ReconstructionInput& input, const ViewFeat
   sparse.refine_intrinsics = options.refine_intrinsics || start.source != IntrinsicsSource::kGiven;
   sparse.board = input.board;
   sparse.detections = views.detections;
+  sparse.run_parts = input.run_parts;
   return RunSparse(sparse, options.sparse, context);
 }
 
@@ -166,7 +167,7 @@ double MeanTrackLength(const SparseModel& model) {
   return static_cast<double>(observations) / static_cast<double>(model.tracks.size());
 }
 
-Status RunSparsePart(const ReconstructionInput& input, const ReconstructionOptions& options, const RunContext& context,
+Status RunToSparse(const ReconstructionInput& input, const ReconstructionOptions& options, const RunContext& context,
                      ViewFeatures& views, ReconstructionOutput& output) {
   const Stopwatch watch;
   DRUPE_ASSIGN_OR_RETURN(const std::string vocabulary, LoadVocabulary(input, options.similarity));
@@ -193,7 +194,7 @@ Result<ReconstructionOutput> RunReconstruction(const ReconstructionInput& input,
   const Stopwatch total;
   ReconstructionOutput output;
   ViewFeatures views;
-  DRUPE_RETURN_IF_ERROR(RunSparsePart(input, options, context, views, output));
+  DRUPE_RETURN_IF_ERROR(RunToSparse(input, options, context, views, output));
   views.features.clear();  // the dense stage needs the memory
   if (options.run_dense) {
     const Stopwatch watch;
@@ -209,8 +210,10 @@ Result<ReconstructionOutput> RunReconstruction(const ReconstructionInput& input,
   return output;
 }
 
-Result<std::string> RunReconstructionPart(std::string_view part, const ReconstructionInput& input,
-                                          const ReconstructionOptions& options, const RunContext& context) {
+Result<std::string> RunReconstructionPart(const std::string& stage, std::string_view part,
+                                          const ReconstructionInput& input, const ReconstructionOptions& options,
+                                          const RunContext& context) {
+  if (stage == "sparse") return RunSparsePart(part, options.sparse, context);
   const LoadNamedRgb load = [&](const std::string& image) -> Result<RgbImage> {
     const auto named = std::find_if(input.images.begin(), input.images.end(),
                                     [&](const SourceImage& source) { return source.name == image; });

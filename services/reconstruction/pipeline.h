@@ -38,7 +38,7 @@ struct ReconstructionInput {
   /// Gives the bytes that options.similarity.vocabulary names; empty: none can be named.
   std::function<Result<std::string>(const std::string& name)> read_vocabulary = nullptr;
   DerivedCache* cache = nullptr;  ///< what is known of the pictures already; may be null; outlives the run
-  RunParts run_parts = nullptr;   ///< does dense.parts, perhaps elsewhere; empty: everything is done here
+  RunParts run_parts = nullptr;   ///< does what has parts, perhaps elsewhere; empty: everything is done here
 };
 
 /// A picture that was left out, and why.
@@ -62,10 +62,12 @@ struct ReconstructionOutput {
 Result<ReconstructionOutput> RunReconstruction(const ReconstructionInput& input, const ReconstructionOptions& options,
                                                const RunContext& context);
 
-/// One of the parts that RunReconstruction gave to run_parts, on another machine with the same input and options; the
-/// pictures alone are read. Errors: as RunDensePart; 422 `bad_part` for a part with a picture that `input` has not.
-Result<std::string> RunReconstructionPart(std::string_view part, const ReconstructionInput& input,
-                                          const ReconstructionOptions& options, const RunContext& context);
+/// One of the parts that a stage of RunReconstruction gave to run_parts, on another machine with the same input and
+/// options; of the input the pictures alone are read. Errors: as RunDensePart; 422 `bad_part` for a part with a picture
+/// that `input` has not.
+Result<std::string> RunReconstructionPart(const std::string& stage, std::string_view part,
+                                          const ReconstructionInput& input, const ReconstructionOptions& options,
+                                          const RunContext& context);
 
 /// A stage that RunReconstruction reports, and the share of the whole time it usually takes.
 struct PipelineStage {

@@ -86,20 +86,21 @@ class WorkersTest(unittest.TestCase):
         status = self.system.wait_until_ended(job_id)
         self.assertEqual(status["status"], "succeeded", status)
 
-    def test_6_two_workers_share_the_dense_stage_of_one_job(self):
-        """The same bytes as from one worker; the other one has done a part at least, unless the job was too quick."""
+    def test_6_two_workers_share_one_job(self):
+        """The same bytes as from one worker, and the other one has done a part at least."""
         options = {**QUICK_OPTIONS, "dense": {**QUICK_OPTIONS.get("dense", {}), "level": 1}}
         alone = self.system.submit(sample_images(IMAGES), options)
         self.assertEqual(self.system.wait_until_ended(alone)["status"], "succeeded")
         wanted = self.dense_sha256(alone)
+        parts = {"sparse": {"parts": True}, "dense": {**options["dense"], "parts": 12}}
         for _ in range(5):
-            shared = self.system.submit(sample_images(IMAGES), {**options, "dense": {**options["dense"], "parts": 12}})
+            shared = self.system.submit(sample_images(IMAGES), {**options, **parts})
             status = self.system.wait_until_ended(shared)
             self.assertEqual(status["status"], "succeeded", status)
             self.assertEqual(self.dense_sha256(shared), wanted)
-            parts = self.system.reconstruction.get(f"/jobs?kind=part&subject={shared}&limit=100").json()["jobs"]
-            self.assertEqual(len(parts), 12)
-            if any(part["status"] == "succeeded" for part in parts):
+            jobs = self.system.reconstruction.get(f"/jobs?kind=part&subject={shared}&limit=100").json()["jobs"]
+            self.assertGreaterEqual(len(jobs), 12)
+            if any(job["status"] == "succeeded" for job in jobs):
                 return
         self.fail("the other worker took no part of five jobs")
 

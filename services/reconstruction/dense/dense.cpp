@@ -140,6 +140,7 @@ Result<FinestMaps> RefineInParts(const FinestLevel& finest, const LevelState& co
   const DenseOptions& options = *coarse.context.scene->options;
   const auto groups = GroupViews(finest, coarse, static_cast<std::size_t>(options.parts));
   StageParts parts;
+  parts.stage = "dense";
   for (const auto& group : groups) parts.parts.push_back(WritePart(finest.context, group));
   const LoadNamedRgb load = [&](const std::string& image) -> Result<RgbImage> {
     const auto& views = input.model->views;

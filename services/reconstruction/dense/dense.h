@@ -5,24 +5,15 @@
 #include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "base/run_context.h"
+#include "base/stage_parts.h"
 #include "base/status.h"
 #include "image/image.h"
 #include "scene/point_cloud.h"
 #include "scene/sparse_model.h"
 
 namespace drupe {
-
-/// Parts of a stage that know nothing of one another, so that they may be done by other machines.
-struct StageParts {
-  std::vector<std::string> parts;                                    ///< all that is known of each
-  std::function<Result<std::string>(const std::string& part)> here;  ///< does one on this machine
-  std::function<void(std::size_t part)> done;                        ///< to be called when its result is there
-};
-/// The results of the parts, in their order.
-using RunParts = std::function<Result<std::vector<std::string>>(const StageParts& parts)>;
 
 /// What a dense cloud is built from.
 struct DenseInput {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "reconstruction/sparse/cluster_part.h"
 #include "reconstruction/sparse/incremental.h"
 #include "reconstruction/sparse/placement.h"
 
@@ -41,16 +42,38 @@ MatchGraph PairsInside(const MatchGraph& matches, const std::vector<int>& cluste
   return inside;
 }
 
-Status Build(const std::vector<int>& cluster, const MatchGraph& matches,
-             const std::vector<std::optional<Rigid3>>& board_poses, const SparseOptions& options,
-             const RunContext& context, SfmState& state) {
-  std::vector<std::optional<Rigid3>> own_board_poses(state.ViewCount());
-  for (const int view : cluster) own_board_poses[view] = board_poses[view];
-  const Status placed = PlaceViews(PairsInside(matches, cluster), own_board_poses, static_cast<int>(cluster.size()),
-                                   options, context, state);
+ClusterWork WorkOf(const SfmState& whole, const std::vector<int>& cluster, const MatchGraph& matches,
+                   const std::vector<std::optional<Rigid3>>& board_poses, const RunContext& context) {
+  ClusterWork work{{}, cluster, PairsInside(matches, cluster), {}, context.seed};
+  work.board_poses.resize(whole.poses.size());
+  for (const int view : cluster) work.board_poses[view] = board_poses[view];
+  return work;
+}
+
+Status Build(const ClusterWork& work, const SparseOptions& options, const RunContext& context, SfmState& state) {
+  const Status placed =
+      PlaceViews(work.matches, work.board_poses, static_cast<int>(work.cluster.size()), options, context, state);
   if (placed.code() == "no_initial_pair") return Status::Ok();  // the whole model may place its views later
   DRUPE_RETURN_IF_ERROR(placed);
   return SettleModel(options, context, state);
+}
+
+/// Gives every model its views' poses and its tracks' positions, from parts that other machines may have done.
+Status BuildInParts(std::vector<ClusterWork>& work, const SparseOptions& options, const RunParts& run_parts,
+                    const RunContext& context, std::vector<ClusterModel>& models) {
+  StageParts parts;
+  parts.stage = "sparse";
+  for (std::size_t c = 0; c < work.size(); ++c) {
+    work[c].state = models[c].state;
+    parts.parts.push_back(WriteClusterWork(work[c]));
+  }
+  parts.here = [&](const std::string& part) { return RunSparsePart(part, options, context); };
+  parts.done = [](std::size_t) {};
+  DRUPE_ASSIGN_OR_RETURN(const std::vector<std::string> results, run_parts(parts));
+  for (std::size_t c = 0; c < work.size(); ++c) {
+    DRUPE_ASSIGN_OR_RETURN(models[c].state, ReadSfmState(results[c], work[c].state));
+  }
+  return Status::Ok();
 }
 
 }  // namespace
@@ -75,18 +98,37 @@ Result<std::vector<ClusterModel>> BuildClusterModels(const SfmState& whole,
                                                      const std::vector<std::vector<int>>& clusters,
                                                      const MatchGraph& matches,
                                                      const std::vector<std::optional<Rigid3>>& board_poses,
-                                                     const SparseOptions& options, const RunContext& context) {
+                                                     const SparseOptions& options, const RunParts& run_parts,
+                                                     const RunContext& context) {
+  std::vector<ClusterModel> models(clusters.size());
+  std::vector<ClusterWork> work(clusters.size());
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    models[c] = RestrictTo(whole, clusters[c]);
+    work[c] = WorkOf(whole, clusters[c], matches, board_poses, context);
+  }
+  if (options.parts && run_parts) {
+    DRUPE_RETURN_IF_ERROR(BuildInParts(work, options, run_parts, context, models));
+    return models;
+  }
   RunContext one_thread = context;  // threads go over clusters, not into them
   one_thread.threads = 1;
   one_thread.progress = nullptr;
-  std::vector<ClusterModel> models(clusters.size());
   std::vector<Status> statuses(clusters.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(context, clusters.size(), [&](std::size_t c) {
-    models[c] = RestrictTo(whole, clusters[c]);
-    statuses[c] = Build(clusters[c], matches, board_poses, options, one_thread, models[c].state);
+    statuses[c] = Build(work[c], options, one_thread, models[c].state);
   }));
   for (const Status& status : statuses) DRUPE_RETURN_IF_ERROR(status);
   return models;
+}
+
+Result<std::string> RunSparsePart(std::string_view part, const SparseOptions& options, const RunContext& context) {
+  DRUPE_RETURN_IF_ERROR(options.Check());
+  DRUPE_ASSIGN_OR_RETURN(ClusterWork work, ReadClusterWork(part));
+  RunContext silent = context;
+  silent.progress = nullptr;
+  silent.seed = work.seed;
+  DRUPE_RETURN_IF_ERROR(Build(work, options, silent, work.state));
+  return WriteSfmState(work.state);
 }
 
 }  // namespace drupe

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/run_context.h"
+#include "base/stage_parts.h"
 #include "base/status.h"
 #include "reconstruction/sparse/sfm_state.h"
 #include "reconstruction/sparse/sparse_options.h"
@@ -21,12 +22,13 @@ struct ClusterModel {
 ClusterModel RestrictTo(const SfmState& whole, const std::vector<int>& cluster);
 
 /// Incremental structure from motion of every cluster on its own (paper 3.1.2), clusters in parallel: placed as
-/// PlaceViews does, then adjusted. A cluster in which nothing can be placed has a model without poses. Errors:
-/// `cancelled`, 500 `adjustment_failed`.
+/// PlaceViews does, then adjusted. With options.parts by run_parts, unless that is empty. A cluster in which nothing
+/// can be placed has a model without poses. Errors: `cancelled`, 500 `adjustment_failed`.
 Result<std::vector<ClusterModel>> BuildClusterModels(const SfmState& whole,
                                                      const std::vector<std::vector<int>>& clusters,
                                                      const MatchGraph& matches,
                                                      const std::vector<std::optional<Rigid3>>& board_poses,
-                                                     const SparseOptions& options, const RunContext& context);
+                                                     const SparseOptions& options, const RunParts& run_parts,
+                                                     const RunContext& context);
 
 }  // namespace drupe

@@ -60,8 +60,9 @@ bool UsesClusters(const SparseInput& input, const SparseOptions& options) {
 Status PlaceByClusters(const SparseInput& input, const std::vector<std::optional<Rigid3>>& board_poses,
                        const SparseOptions& options, const RunContext& context, SfmState& state) {
   const auto& clusters = input.clusters->clusters;
-  DRUPE_ASSIGN_OR_RETURN(const std::vector<ClusterModel> models,
-                         BuildClusterModels(state, clusters, *input.matches, board_poses, options, context));
+  DRUPE_ASSIGN_OR_RETURN(
+      const std::vector<ClusterModel> models,
+      BuildClusterModels(state, clusters, *input.matches, board_poses, options, input.run_parts, context));
   context.Report("sparse", 0.5);
   if (!FuseClusters(models, options, context, state)) {
     return PlaceViews(*input.matches, board_poses, state.ViewCount(), options, context, state);

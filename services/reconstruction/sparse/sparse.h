@@ -3,8 +3,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/run_context.h"
+#include "base/stage_parts.h"
 #include "base/status.h"
 #include "geometry/pinhole_camera.h"
 #include "reconstruction/sparse/sparse_options.h"
@@ -27,6 +29,7 @@ struct SparseInput {
   bool refine_intrinsics = false;  ///< focal length and radial distortion enter the final adjustment
   std::optional<Board> board;
   std::span<const BoardDetection> detections;  ///< one an image; empty without a board
+  RunParts run_parts = nullptr;                ///< for options.parts; empty: everything is done here
 };
 
 /// Structure from motion (paper 3.1.2): every cluster incrementally on its own (initial pair, camera poses,
@@ -39,5 +42,9 @@ struct SparseInput {
 /// options out of range or sizes that do not fit together, 422 `no_initial_pair` and `too_few_registered` (less than
 /// `min_registered_share` of the views) with what to change on the rig, `cancelled`.
 Result<SparseModel> RunSparse(const SparseInput& input, const SparseOptions& options, const RunContext& context);
+
+/// Does one of the parts that RunSparse gave to run_parts, with the options that it had: the same bytes wherever this
+/// build runs. Errors: 422 `bad_part`, `cancelled`, 500 `adjustment_failed`.
+Result<std::string> RunSparsePart(std::string_view part, const SparseOptions& options, const RunContext& context);
 
 }  // namespace drupe

@@ -34,6 +34,8 @@ struct SparseOptions {
   int min_board_views = 3;
   /// Fewer registered views than this share is an error.
   double min_registered_share = 0.6;
+  /// Every cluster's model is a part that another machine may build.
+  bool parts = false;
 
   /// The message names the option, its value and its range.
   Status Check() const;

@@ -75,6 +75,60 @@ TEST(SparseTest, ThreadsDoNotChangeTheResult) {
   EXPECT_EQ(a->tracks.back().position, b->tracks.back().position);
 }
 
+// Each cluster with nothing but its bytes, as another machine does it, and the last one first.
+TEST(SparseTest, ClustersBuiltElsewhereGiveTheSameModel) {
+  const SyntheticScene scene;
+  const ViewClusters clusters = FourArcs();
+  for (const bool with_board : {false, true}) {
+    SparseInput input = scene.Input(with_board);
+    input.clusters = &clusters;
+    const auto here = RunSparse(input, SparseOptions{}, RunContext{});
+    SparseOptions options;
+    options.parts = true;
+    std::size_t done = 0;
+    input.run_parts = [&](const StageParts& parts) -> Result<std::vector<std::string>> {
+      std::vector<std::string> results(parts.parts.size());
+      for (std::size_t k = results.size(); k-- > 0; ++done) {
+        DRUPE_ASSIGN_OR_RETURN(results[k], RunSparsePart(std::string(parts.parts[k]), options, RunContext()));
+      }
+      return results;
+    };
+    const auto there = RunSparse(input, options, RunContext{});
+    ASSERT_TRUE(here.ok() && there.ok()) << there.status().ToString();
+    EXPECT_EQ(done, 4u);
+    ASSERT_EQ(here->tracks.size(), there->tracks.size());
+    for (std::size_t v = 0; v < here->views.size(); ++v) {
+      EXPECT_EQ(here->views[v].cam_from_world->translation, there->views[v].cam_from_world->translation);
+      EXPECT_EQ(here->views[v].cam_from_world->rotation, there->views[v].cam_from_world->rotation);
+    }
+    for (std::size_t t = 0; t < here->tracks.size(); ++t) {
+      ASSERT_EQ(here->tracks[t].position, there->tracks[t].position);
+    }
+  }
+}
+
+TEST(SparseTest, RefusesPartsAndResultsThatAreDamaged) {
+  const SyntheticScene scene;
+  const ViewClusters clusters = FourArcs();
+  SparseInput input = scene.Input(false);
+  input.clusters = &clusters;
+  SparseOptions options;
+  options.parts = true;
+  input.run_parts = [&](const StageParts& parts) -> Result<std::vector<std::string>> {
+    const std::string& part = parts.parts[0];
+    for (const std::size_t cut : {std::size_t{0}, std::size_t{100}, part.size() / 2, part.size() - 1}) {
+      EXPECT_EQ(RunSparsePart(part.substr(0, cut), options, RunContext()).status().code(), "bad_part") << cut;
+    }
+    EXPECT_EQ(RunSparsePart(part + "x", options, RunContext()).status().code(), "bad_part");
+    std::string lying = part;
+    std::fill(lying.begin() + 80, lying.begin() + 96, '\xff');  // in the number of observations, and after it
+    EXPECT_EQ(RunSparsePart(lying, options, RunContext()).status().code(), "bad_part");
+    DRUPE_ASSIGN_OR_RETURN(const std::string result, parts.here(part));
+    return std::vector<std::string>(parts.parts.size(), result);  // another cluster's
+  };
+  EXPECT_EQ(RunSparse(input, options, RunContext{}).status().code(), "bad_part");
+}
+
 TEST(SparseTest, ClustersFusedAreAsGoodAsTheWhole) {
   SyntheticScene::Options scene_options;
   scene_options.noise_px = 0.1;
