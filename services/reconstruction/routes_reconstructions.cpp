@@ -8,6 +8,7 @@
 #include "reconstruction/routes.h"
 #include "service/artifacts.h"
 #include "service/job_json.h"
+#include "service/job_page.h"
 
 namespace drupe {
 
@@ -51,21 +52,9 @@ void GetStatus(const RouteContext& context, const Request& request, Response& re
   response.SetJson(StatusJson(*job, context.links));
 }
 
-Result<Json> ListJobs(const RouteContext& context, const Request& request) {
-  JobFilter filter{kReconstructKind, "", std::nullopt};
-  if (const std::optional<std::string> state = request.Query("status")) {
-    DRUPE_ASSIGN_OR_RETURN(filter.state, ParseJobState(*state));
-  }
-  DRUPE_ASSIGN_OR_RETURN(const std::int64_t limit, request.QueryInt("limit", 50, 1, 200));
-  const std::string cursor = request.Query("cursor").value_or("");
-  DRUPE_ASSIGN_OR_RETURN(const JobPage page, context.jobs.List(filter, static_cast<int>(limit), cursor));
-  Json list = Json::array();
-  for (const Job& job : page.jobs) list.push_back(SummaryJson(job, context.links));
-  return Json{{"reconstructions", list}, {"next_cursor", page.next_cursor.empty() ? Json() : Json(page.next_cursor)}};
-}
-
 void List(const RouteContext& context, const Request& request, Response& response) {
-  const Result<Json> list = ListJobs(context, request);
+  const auto describe = [&](const Job& job) -> Result<Json> { return SummaryJson(job, context.links); };
+  const Result<Json> list = JobPageJson(request, context.jobs, kReconstructKind, "reconstructions", describe);
   if (!list.ok()) return response.SetError(list.status());
   response.SetJson(*list);
 }
