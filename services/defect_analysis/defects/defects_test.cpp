@@ -255,8 +255,29 @@ TEST(StandsOut, LightDoesNotAndStainsAndPaleScarsDo) {
   EXPECT_TRUE(stands_out({0.375, 0.45, 0.01}));                           // a yellow blotch
   EXPECT_TRUE(stands_out({0.15, 0.14, 0.05}));
   EXPECT_TRUE(stands_out({0.60, 0.50, 0.40}));
-  const Eigen::Vector3d brown(0.155, 0.088, 0.036), scar(0.461, 0.315, 0.157);  // three times as bright: more than light
-  EXPECT_TRUE(StandsOut(FieldOfColours(surface, brown, scar), 9, {}));
+}
+
+// Three times as bright as the skin, in its hue.
+TEST(StandsOut, BrightSkinBetweenShadowsDoesNotAndAPaleScarDoes) {
+  const FruitSurface surface = Sphere(18);
+  TransitionField field = DiscField(surface, false, false);
+  field.healthy_linear = {0.155, 0.088, 0.036};
+  field.defect_linear = {0.461, 0.315, 0.157};
+  field.noise = 0.1;
+  field.blur = 0.07;
+  DefectOptions options;
+  EXPECT_TRUE(StandsOut(field, 9, options));
+  for (int row = 0; row < field.height; ++row) {  // softer on one side, and no disc
+    for (int column = 0; column < field.width; ++column) {
+      const Eigen::Vector2d p = field.FlatOf(column, row);
+      const double length = p.x() > 0 ? p.x() / 2.5 : p.x();
+      const double level = 0.5 + (1 - std::hypot(length, p.y())) / (p.x() > 0 ? 1.2 : 0.4);
+      field.level[static_cast<std::size_t>(row) * field.width + column] =
+          static_cast<float>(std::clamp(level, 0.0, 1.0));
+    }
+  }
+  field.full_level = field.level;
+  EXPECT_FALSE(StandsOut(field, 9, options));
 }
 
 TEST(StandsOut, NotFromSkinThatIsAsUneven) {

@@ -10,7 +10,7 @@ namespace drupe {
 namespace {
 
 constexpr double kGrey = 0.1;       // of the mean: channels that differ less do not tell gloss from a change of pigment
-constexpr double kMostLit = 1.5;    // times the skin beside a spot: light on a fruit does not change more within it
+constexpr double kMostLit = 1.5;    // times the skin beside a spot: within it, light changes more at a shadow only
 constexpr double kOwnLight = 0.08;  // by which gloss leaves the gain of the skin's own light at 1
 
 /// colour = gain * skin + gloss, by least squares over the channels.
@@ -28,10 +28,15 @@ LightFit FitLight(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin) {
 // The colour without the light that it has more than the skin.
 Eigen::Vector3d WithoutAddedLight(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin) {
   const auto [gain, gloss] = FitLight(colour, skin);
-  if (gain > kMostLit) return (colour.array() - std::max(0.0, (colour - kMostLit * skin).minCoeff())) / kMostLit;
   if (gain > 1 && gloss > 0) return (colour.array() - gloss) / gain;
   if (gain > 1) return colour / std::max(1.0, colour.dot(skin) / skin.squaredNorm());
   return colour.array() - std::max(0.0, (colour - skin).minCoeff());
+}
+
+// The same if the skin is better lit there by kMostLit at most.
+Eigen::Vector3d WithoutLikelyLight(const Eigen::Vector3d& colour, const Eigen::Vector3d& skin) {
+  if (FitLight(colour, skin).gain <= kMostLit) return WithoutAddedLight(colour, skin);
+  return (colour.array() - std::max(0.0, (colour - kMostLit * skin).minCoeff())) / kMostLit;
 }
 
 // Whether a colour that differs from the skin's only as light makes it may be a stain all the same, if its edge is
@@ -62,7 +67,14 @@ double Contrast(const TransitionField& field, double lightness_weight) {
 
 bool StandsOut(const TransitionField& field, double threshold, const DefectOptions& options) {
   if (field.noise * options.segmentation.local_sigma > 1) return false;
-  if (ContrastBeyondLight(field, options.segmentation.lightness_weight) >= threshold) return true;
+  const double weight = options.segmentation.lightness_weight;
+  if (ContrastBeyondLight(field, weight) >= threshold) return true;
+  // Skin between two shadows can be many times as bright as they are, but its border is not as sharp all the way round.
+  const Eigen::Vector3d pigment = WithoutLikelyLight(field.defect_linear, field.healthy_linear);
+  if (WeightedDifference(pigment, field.healthy_linear, weight) >= threshold &&
+      HasEvenEdge(field, options.contour.level, options.cluster.min_area_mm2)) {
+    return true;
+  }
   return StandsOutFaintly(field, threshold, options);
 }
 

@@ -21,6 +21,7 @@ constexpr double kNear = 0.15, kFar = 0.35;  // mm from the outline where the ed
 constexpr double kDeepest = 0.5;             // of the radius: not deeper inside than this
 constexpr double kInside = 0.7, kOutside = 0.3;
 constexpr int kEdgeSamples = 3;
+constexpr double kLeastSlopeShare = 0.5;  // of the median, for the twentieth least steep part of an outline
 
 struct SectorLevels {
   std::array<double, kEdgeSectors> inside{}, outside{}, count{};
@@ -67,6 +68,16 @@ bool HasStainsEdge(const TransitionField& field, double level, double min_area) 
     soft += sharp ? 0 : 1;
   }
   return soft <= kMostSoft;
+}
+
+bool HasEvenEdge(const TransitionField& field, double level, double min_area) {
+  if (field.level.empty()) return false;
+  const std::vector<Polygon> outlines = TraceBoundaries(field, level, 0.1 * min_area);
+  if (outlines.empty() || SignedArea(outlines[0]) < min_area) return false;
+  std::vector<double> slopes;
+  for (const Eigen::Vector2d& p : outlines[0]) slopes.push_back(field.SlopeAt(p));
+  std::sort(slopes.begin(), slopes.end());
+  return slopes[slopes.size() / 20] >= kLeastSlopeShare * slopes[slopes.size() / 2];
 }
 
 }  // namespace drupe

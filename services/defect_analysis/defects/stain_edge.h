@@ -11,4 +11,8 @@ namespace drupe {
 /// colours are the same.
 bool HasStainsEdge(const TransitionField& field, double level, double min_area);
 
+/// Whether the field falls about as steeply all along the outline at `level`, as the edge of pigment does, which the
+/// lens alone has blurred: nowhere less than half as steeply as at most places.
+bool HasEvenEdge(const TransitionField& field, double level, double min_area);
+
 }  // namespace drupe
