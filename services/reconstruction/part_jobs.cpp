@@ -98,7 +98,7 @@ Status PartJobs::Take(const StageParts& parts, std::size_t part, bool wait, Offe
 }
 
 Status PartJobs::DoHere(const StageParts& parts, std::size_t part, Offer& offer) {
-  DRUPE_ASSIGN_OR_RETURN(offer.result, parts.here(parts.parts[part]));
+  DRUPE_ASSIGN_OR_RETURN(offer.result, parts.here(part));
   offer.done = true;
   parts.done(part);
   return Status::Ok();

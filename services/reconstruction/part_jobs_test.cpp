@@ -38,7 +38,8 @@ class PartJobsTest : public testing::Test {
   Result<Results> Run(const std::function<void()>& meanwhile = {}, const RunContext& context = {}) {
     StageParts parts;
     parts.parts = {"a", "b", "c"};
-    parts.here = [&](const std::string& part) -> Result<std::string> {
+    parts.here = [&](std::size_t number) -> Result<std::string> {
+      const std::string& part = parts.parts[number];
       if (here_.empty() && meanwhile) meanwhile();
       here_ += part;
       return part + " here";

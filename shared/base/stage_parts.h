@@ -11,10 +11,10 @@ namespace drupe {
 
 /// Parts of a stage that know nothing of one another, so that they may be done by other machines.
 struct StageParts {
-  std::string stage;                                                 ///< as RunContext::progress names it
-  std::vector<std::string> parts;                                    ///< all that is known of each
-  std::function<Result<std::string>(const std::string& part)> here;  ///< does one on this machine
-  std::function<void(std::size_t part)> done;                        ///< to be called when its result is there
+  std::string stage;                                          ///< as RunContext::progress names it
+  std::vector<std::string> parts;                             ///< all that another machine must know of each
+  std::function<Result<std::string>(std::size_t part)> here;  ///< does one on this machine, which knows it all
+  std::function<void(std::size_t part)> done;                 ///< to be called when its result is there
 };
 
 /// The results of the parts, in their order.

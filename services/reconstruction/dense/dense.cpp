@@ -142,12 +142,7 @@ Result<FinestMaps> RefineInParts(const FinestLevel& finest, const LevelState& co
   StageParts parts;
   parts.stage = "dense";
   for (const auto& group : groups) parts.parts.push_back(WritePart(finest.context, group));
-  const LoadNamedRgb load = [&](const std::string& image) -> Result<RgbImage> {
-    const auto& views = input.model->views;
-    const auto named = std::find_if(views.begin(), views.end(), [&](const View& view) { return view.image == image; });
-    return input.load_rgb(static_cast<int>(named - views.begin()));
-  };
-  parts.here = [&](const std::string& part) { return RunDensePart(part, options, load, run); };
+  parts.here = [&](std::size_t part) { return RefineViews(finest.context, groups[part], run); };
   parts.done = [&](std::size_t part) {
     for (const ViewWork& work : groups[part]) progress.Add(static_cast<double>(CountOwned(*work.wanted)));
   };

@@ -34,20 +34,18 @@ Status LoadPictures(const LoadNamedRgb& load_rgb, const RunContext& run, Part& p
   return Status::Ok();
 }
 
-Result<std::string> RefinePart(const Part& part, const RunContext& run) {
-  const LevelContext fine = MakeLevelContext(part.scene, part.finest, part.csize);
-  std::vector<std::string> cells(part.coarse.size());
+}  // namespace
+
+Result<std::string> RefineViews(const LevelContext& fine, const std::vector<ViewWork>& work, const RunContext& run) {
+  std::vector<std::string> cells(work.size());
   std::vector<std::size_t> counts(cells.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(run, cells.size(), [&](std::size_t k) {
-    const PatchMap map = RefineFinest(fine, static_cast<int>(k), part.coarse[k], part.wanted[k], run);
-    counts[k] = AppendCells(map, {}, &cells[k]);
+    counts[k] = AppendCells(RefineFinest(fine, work[k].view, *work[k].coarse, *work[k].wanted, run), {}, &cells[k]);
   }));
   std::string bytes = DumpJson(Json{{"cells", counts}}) + "\n";
   for (const std::string& one : cells) bytes += one;
   return bytes;
 }
-
-}  // namespace
 
 Result<PartResult> PartResult::Read(std::string bytes, std::size_t views) {
   std::string_view rest = bytes;
@@ -85,7 +83,11 @@ Result<std::string> RunDensePart(std::string_view part, const DenseOptions& opti
     read.scene.options = &options;
     read.scene.model = &read.model;
     DRUPE_RETURN_IF_ERROR(dense::LoadPictures(load_rgb, context, read));
-    return dense::RefinePart(read, context);
+    std::vector<dense::ViewWork> work;
+    for (std::size_t k = 0; k < read.coarse.size(); ++k) {
+      work.push_back({static_cast<int>(k), &read.coarse[k], &read.wanted[k]});
+    }
+    return dense::RefineViews(dense::MakeLevelContext(read.scene, read.finest, read.csize), work, context);
   } catch (const std::exception& error) {
     return Internal("internal", std::string("dense reconstruction: ") + error.what());
   }

@@ -3,9 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "reconstruction/dense/patch_map.h"
+#include "base/run_context.h"
+#include "reconstruction/dense/part_file.h"
 
 namespace drupe::dense {
+
+/// The finest maps of some views as bytes, which PartResult reads. Errors: `cancelled`.
+Result<std::string> RefineViews(const LevelContext& fine, const std::vector<ViewWork>& work, const RunContext& run);
 
 /// The finest maps of a part's views, out of what RunDensePart returned for it.
 class PartResult {

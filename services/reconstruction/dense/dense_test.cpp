@@ -159,7 +159,7 @@ TEST(DenseTest, RefusesPartsAndResultsThatAreDamaged) {
                 StatusKind::kUnprocessable)
           << cut;
     }
-    DRUPE_ASSIGN_OR_RETURN(std::string result, parts.here(part));
+    DRUPE_ASSIGN_OR_RETURN(std::string result, parts.here(0));
     return std::vector<std::string>{result.substr(0, result.size() - 1), result};
   };
   EXPECT_EQ(RunDense(input, options, RunContext()).status().code(), "bad_part");

@@ -67,7 +67,13 @@ Status BuildInParts(std::vector<ClusterWork>& work, const SparseOptions& options
     work[c].state = models[c].state;
     parts.parts.push_back(WriteClusterWork(work[c]));
   }
-  parts.here = [&](const std::string& part) { return RunSparsePart(part, options, context); };
+  RunContext silent = context;  // the stage's progress is that of all its clusters
+  silent.progress = nullptr;
+  parts.here = [&](std::size_t c) -> Result<std::string> {
+    SfmState state = work[c].state;
+    DRUPE_RETURN_IF_ERROR(Build(work[c], options, silent, state));
+    return WriteSfmState(state);
+  };
   parts.done = [](std::size_t) {};
   DRUPE_ASSIGN_OR_RETURN(const std::vector<std::string> results, run_parts(parts));
   for (std::size_t c = 0; c < work.size(); ++c) {

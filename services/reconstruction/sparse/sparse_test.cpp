@@ -123,7 +123,7 @@ TEST(SparseTest, RefusesPartsAndResultsThatAreDamaged) {
     std::string lying = part;
     std::fill(lying.begin() + 80, lying.begin() + 96, '\xff');  // in the number of observations, and after it
     EXPECT_EQ(RunSparsePart(lying, options, RunContext()).status().code(), "bad_part");
-    DRUPE_ASSIGN_OR_RETURN(const std::string result, parts.here(part));
+    DRUPE_ASSIGN_OR_RETURN(const std::string result, parts.here(0));
     return std::vector<std::string>(parts.parts.size(), result);  // another cluster's
   };
   EXPECT_EQ(RunSparse(input, options, RunContext{}).status().code(), "bad_part");
