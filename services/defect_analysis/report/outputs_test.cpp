@@ -72,7 +72,7 @@ TEST(AddTraitUncertainties, GrowWithWhatIsUnseenAndWithTheScale) {
   cloud.observed_share = 0.5;
   AddTraitUncertainties(cloud, 0, unseen);
   EXPECT_NEAR(fruit.equatorial_uncertainty_mm, 20 * 0.0004, 1e-4);
-  EXPECT_NEAR(fruit.volume_uncertainty_mm3 / fruit.volume_mm3, std::hypot(0.0012, 0.0056), 5e-5);
+  EXPECT_NEAR(fruit.volume_uncertainty_mm3 / fruit.volume_mm3, std::hypot(0.0012, 0.003), 5e-5);
   EXPECT_GT(unsure.volume_uncertainty_mm3, 0.03 * fruit.volume_mm3);
   EXPECT_GT(unseen.volume_uncertainty_mm3, 2 * fruit.volume_uncertainty_mm3);
   EXPECT_EQ(unseen.equatorial_uncertainty_mm, fruit.equatorial_uncertainty_mm);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSharedNoise = 0.2;     // of the points' scatter: error of a radius as a whole
 constexpr double kLeastRadius = 0.0002;  // relative: error of a radius as a whole
-constexpr double kUnseenVolume = 0.028;  // of the unseen part: root mean square of nine rendered fruits
+constexpr double kUnseenVolume = 0.015;  // of the unseen part
 constexpr double kUnseenArea = 0.008;
 constexpr double kUnseenPolar = 0.03;  // of the polar diameter, times the unseen share
 
