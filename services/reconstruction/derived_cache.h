@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "base/json.h"
@@ -21,6 +22,9 @@ class DerivedCache {
   /// same key at the same time share the work of the first. Errors: those of `make`, and `cancelled`; a cache that
   /// cannot read or write is no error.
   virtual Result<std::string> FindOrMake(const std::string& key, const Make& make, const RunContext& context) = 0;
+
+  /// The bytes kept under `key`; nothing when there are none, or none yet. For those who can do without.
+  virtual std::optional<std::string> Find(const std::string& key) = 0;
 };
 
 /// A key under which what follows from `parameters` alone can be kept: 64 hexadecimal digits, different for each `kind`

@@ -64,10 +64,7 @@ Result<std::string> ObjectDerivedCache::FindOrMake(const std::string& key, const
                                                    const RunContext& context) {
   Turn turn(*this, key);
   DRUPE_RETURN_IF_ERROR(turn.Take(context));
-  if (std::optional<std::string> found = Find(key)) {
-    ++hits_;
-    return *std::move(found);
-  }
+  if (std::optional<std::string> found = Find(key)) return *std::move(found);
   ++misses_;
   DRUPE_ASSIGN_OR_RETURN(std::string made, make());
   if (const Status kept = Keep(key, made); !kept.ok()) {
@@ -77,6 +74,12 @@ Result<std::string> ObjectDerivedCache::FindOrMake(const std::string& key, const
 }
 
 std::optional<std::string> ObjectDerivedCache::Find(const std::string& key) {
+  std::optional<std::string> found = Read(key);
+  if (found) ++hits_;
+  return found;
+}
+
+std::optional<std::string> ObjectDerivedCache::Read(const std::string& key) {
   std::string sha256;
   const Status status = database_.Transaction(Durability::kProcessDeath, [&]() -> Status {
     DRUPE_ASSIGN_OR_RETURN(const auto row,

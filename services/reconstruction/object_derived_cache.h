@@ -24,6 +24,7 @@ class ObjectDerivedCache : public DerivedCache {
                                                           std::int64_t max_bytes);
 
   Result<std::string> FindOrMake(const std::string& key, const Make& make, const RunContext& context) override;
+  std::optional<std::string> Find(const std::string& key) override;
 
   /// How often something was there, and how often it had to be made, since the start.
   std::int64_t hits() const { return hits_; }
@@ -34,7 +35,7 @@ class ObjectDerivedCache : public DerivedCache {
   ObjectDerivedCache(Database& database, ObjectStore& objects, std::int64_t max_bytes)
       : database_(database), objects_(objects), max_bytes_(max_bytes) {}
 
-  std::optional<std::string> Find(const std::string& key);
+  std::optional<std::string> Read(const std::string& key);
   Status Keep(const std::string& key, std::string_view bytes);
   Status MakeRoom();
 

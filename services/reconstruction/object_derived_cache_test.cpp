@@ -64,6 +64,15 @@ TEST_F(ObjectDerivedCacheTest, MakesOnceAndRemembersOverARestart) {
   EXPECT_EQ(Ask("a", "third"), "first");
 }
 
+TEST_F(ObjectDerivedCacheTest, FindMakesNothing) {
+  EXPECT_FALSE(cache_->Find("a"));
+  EXPECT_EQ(cache_->misses(), 0);
+  Ask("a", "first");
+  EXPECT_EQ(cache_->Find("a"), "first");
+  EXPECT_EQ(cache_->hits(), 1);
+  EXPECT_EQ(cache_->misses(), 1);
+}
+
 TEST_F(ObjectDerivedCacheTest, EqualBytesOfTwoKeysAreTwoObjects) {
   Ask("a", "same");
   Ask("b", "same");

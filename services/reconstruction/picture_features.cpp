@@ -53,7 +53,7 @@ class PictureWork {
       DRUPE_ASSIGN_OR_RETURN(const Features features, ComputeFeatures());
       return WriteFeatures(features);
     };
-    if (!IsCached()) return ComputeFeatures();
+    if (!IsCached(source_, input_)) return ComputeFeatures();
     DRUPE_ASSIGN_OR_RETURN(const std::string bytes,
                            input_.cache->FindOrMake(DerivedKey("features", parameters), make, context_));
     return ReadFeatures(bytes);
@@ -68,15 +68,13 @@ class PictureWork {
       DRUPE_ASSIGN_OR_RETURN(const BoardDetection detection, ComputeBoard());
       return DetectionText(detection);
     };
-    if (!IsCached()) return ComputeBoard();
+    if (!IsCached(source_, input_)) return ComputeBoard();
     DRUPE_ASSIGN_OR_RETURN(const std::string text,
                            input_.cache->FindOrMake(DerivedKey("board", parameters), make, context_));
     return ParseDetection(text);
   }
 
  private:
-  bool IsCached() const { return input_.cache != nullptr && !source_.sha256.empty(); }
-
   Result<const GrayImage*> Gray() {
     if (!gray_) {
       DRUPE_ASSIGN_OR_RETURN(const std::string bytes, source_.read());
@@ -115,6 +113,15 @@ Result<PictureFeatures> FindPictureFeatures(const SourceImage& source, const Rec
   if (!input.board) return found;
   DRUPE_ASSIGN_OR_RETURN(found.detection, work.FindBoard());
   return found;
+}
+
+Result<Features> FindFeatures(const SourceImage& source, const ReconstructionInput& input,
+                              const ReconstructionOptions& options, const RunContext& context) {
+  return PictureWork(source, input, options, context).FindFeatures();
+}
+
+bool IsCached(const SourceImage& source, const ReconstructionInput& input) {
+  return input.cache != nullptr && !source.sha256.empty();
 }
 
 }  // namespace drupe

@@ -21,4 +21,11 @@ struct PictureFeatures {
 Result<PictureFeatures> FindPictureFeatures(const SourceImage& source, const ReconstructionInput& input,
                                             const ReconstructionOptions& options, const RunContext& context);
 
+/// The features alone, likewise.
+Result<Features> FindFeatures(const SourceImage& source, const ReconstructionInput& input,
+                              const ReconstructionOptions& options, const RunContext& context);
+
+/// Whether anything that follows from `source` is looked for and left in the cache of `input`.
+bool IsCached(const SourceImage& source, const ReconstructionInput& input);
+
 }  // namespace drupe

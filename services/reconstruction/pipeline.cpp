@@ -9,6 +9,7 @@
 #include "reconstruction/clusters/verified_clusters.h"
 #include "reconstruction/dense/poisson_mesh.h"
 #include "reconstruction/dense/preview.h"
+#include "reconstruction/picture_similarity.h"
 #include "reconstruction/sparse/sparse.h"
 #include "reconstruction/view_features.h"
 #include "scene/cameras_json.h"
@@ -73,21 +74,22 @@ struct Correspondences {
   TrackList tracks;
 };
 
-/// The bytes of the vocabulary that the options name; empty when they name none.
-Result<std::string> LoadVocabulary(const ReconstructionInput& input, const SimilarityOptions& options) {
-  if (options.vocabulary.empty()) return std::string();
-  if (!input.read_vocabulary) {
-    return InvalidArgument("invalid_option", "no vocabulary can be loaded here", "similarity.vocabulary");
-  }
-  return input.read_vocabulary(options.vocabulary);
+/// The likeness of all views.
+Result<SimilarityGraph> CompareViews(const ReconstructionInput& input, const ViewFeatures& views,
+                                     const std::string& vocabulary, const ReconstructionOptions& options,
+                                     const RunContext& context) {
+  std::vector<SourceImage> pictures;
+  for (const int source : views.sources) pictures.push_back(input.images[static_cast<std::size_t>(source)]);
+  return FindSimilarity(pictures, views.features, input, options, vocabulary, context);
 }
 
-Result<Correspondences> FindCorrespondences(const ViewFeatures& views, const StartCamera& start,
-                                            const std::string& vocabulary, const ReconstructionOptions& options,
-                                            const RunContext& context, Timings& timings) {
+Result<Correspondences> FindCorrespondences(const ReconstructionInput& input, const ViewFeatures& views,
+                                            const StartCamera& start, const std::string& vocabulary,
+                                            const ReconstructionOptions& options, const RunContext& context,
+                                            Timings& timings) {
   Correspondences result;
   DRUPE_ASSIGN_OR_RETURN(const SimilarityGraph graph, Timed("similarity", context, timings, [&] {
-                           return RunSimilarity(views.features, options.similarity, context, vocabulary);
+                           return CompareViews(input, views, vocabulary, options, context);
                          }));
   DRUPE_ASSIGN_OR_RETURN(result.clusters, Timed("clusters", context, timings,
                                                 [&] { return RunClusters(graph, options.clusters, context); }));
@@ -168,14 +170,14 @@ double MeanTrackLength(const SparseModel& model) {
 }
 
 Status RunToSparse(const ReconstructionInput& input, const ReconstructionOptions& options, const RunContext& context,
-                     ViewFeatures& views, ReconstructionOutput& output) {
+                   ViewFeatures& views, ReconstructionOutput& output) {
   const Stopwatch watch;
   DRUPE_ASSIGN_OR_RETURN(const std::string vocabulary, LoadVocabulary(input, options.similarity));
   DRUPE_ASSIGN_OR_RETURN(
       views, Timed("features", context, output.timings, [&] { return FindViewFeatures(input, options, context); }));
   const StartCamera start = ChooseCamera(input, views);
   DRUPE_ASSIGN_OR_RETURN(const Correspondences found,
-                         FindCorrespondences(views, start, vocabulary, options, context, output.timings));
+                         FindCorrespondences(input, views, start, vocabulary, options, context, output.timings));
   DRUPE_ASSIGN_OR_RETURN(output.model, Timed("sparse", context, output.timings, [&] {
                            return BuildSparse(input, views, start, found, options, context);
                          }));

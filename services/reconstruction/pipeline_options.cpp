@@ -40,6 +40,7 @@ template <typename Visitor>
 void Visit(Visitor& visit, SimilarityOptions& o) {
   visit("gaussians", o.gaussians);
   visit("pca_dimensions", o.pca_dimensions);
+  visit("training_images", o.training_images);
   visit("training_descriptors", o.training_descriptors);
   visit("em_iterations", o.em_iterations);
   visit("descriptors_per_image", o.descriptors_per_image);

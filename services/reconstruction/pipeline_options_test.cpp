@@ -21,6 +21,16 @@ TEST(ReconstructionOptions, WhatIsWrittenReadsBackTheSame) {
   EXPECT_NE(DumpJson(ToJson(*read)), DumpJson(ToJson(ReconstructionOptions())));
 }
 
+TEST(ReconstructionOptions, TrainingImagesAreReadAndChecked) {
+  const auto few = ParseReconstructionOptions(*ParseJson(R"({"similarity": {"training_images": 5}})"));
+  ASSERT_TRUE(few.ok());
+  EXPECT_EQ(few->similarity.training_images, 5);
+  EXPECT_EQ(ToJson(*few)["similarity"]["training_images"], 5);
+  EXPECT_TRUE(ParseReconstructionOptions(*ParseJson(R"({"similarity": {"training_images": 0}})")).ok());
+  const auto negative = ParseReconstructionOptions(*ParseJson(R"({"similarity": {"training_images": -1}})"));
+  EXPECT_EQ(negative.status().field(), "similarity.training_images");
+}
+
 TEST(ReconstructionOptions, NullAndEmptyGiveTheDefaults) {
   for (const Json& json : {Json(nullptr), Json::object()}) {
     const auto read = ParseReconstructionOptions(json);

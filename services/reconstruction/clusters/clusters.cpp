@@ -55,6 +55,10 @@ void AddSequence(int image_count, int window, PairSet& pairs) {
 
 }  // namespace
 
+bool MatchesEveryPair(int image_count, const ViewClusterOptions& options) {
+  return image_count <= std::max(options.exhaustive_max_images, options.max_cluster_size);
+}
+
 int CoreSizeOf(const ViewClusterOptions& options) {
   const double core = options.max_cluster_size * (1 - 0.5 * options.min_overlap);
   return std::max(2, static_cast<int>(core));
@@ -74,10 +78,10 @@ Result<ViewClusters> RunClusters(const SimilarityGraph& graph, const ViewCluster
   DRUPE_RETURN_IF_ERROR(options.Check());
   DRUPE_RETURN_IF_ERROR(CheckGraph(graph));
   DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
-  const bool is_small = graph.image_count <= std::max(options.exhaustive_max_images, options.max_cluster_size);
   ViewClusters result;
   std::vector<int> all(graph.image_count);
   std::iota(all.begin(), all.end(), 0);
+  const bool is_small = MatchesEveryPair(graph.image_count, options);
   result.clusters = DivideByCut(graph, all, is_small ? graph.image_count : CoreSizeOf(options));
   GrowOverlap(graph, options.min_overlap, options.max_cluster_size, result.clusters);
   PairSet pairs;

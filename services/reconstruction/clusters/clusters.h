@@ -25,6 +25,9 @@ struct ViewClusterOptions {
   Status Check() const;
 };
 
+/// Whether so many pictures are one cluster in which every pair is matched, whatever the graph says.
+bool MatchesEveryPair(int image_count, const ViewClusterOptions& options);
+
 /// The size to cut down to before overlap is added. What a cluster takes in from its neighbours and what they take in
 /// from it both count as overlap, so half the overlap has to be taken in.
 int CoreSizeOf(const ViewClusterOptions& options);

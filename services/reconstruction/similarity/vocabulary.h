@@ -12,10 +12,11 @@
 namespace drupe {
 
 /// Trains the words by which pictures are described, a reduction by principal components and a mixture of Gaussians in
-/// the reduced space, on the descriptors of all pictures, and gives them as bytes that RunSimilarity takes: "DRPVOCB1",
-/// the numbers of reduced dimensions D and Gaussians K (uint32), then float32: mean (128), basis (128 x D,
-/// column-major), weights (K), means and variances (D x K each, column-major), and the SHA-256 of all that (64
-/// hexadecimal digits). Little-endian. Errors: 400 `invalid_option`, 422 `no_features`, `cancelled`.
+/// the reduced space, on the descriptors of all these pictures (training_images does not count), and gives them as
+/// bytes that RunSimilarity takes: "DRPVOCB1", the numbers of reduced dimensions D and Gaussians K (uint32), then
+/// float32: mean (128), basis (128 x D, column-major), weights (K), means and variances (D x K each, column-major), and
+/// the SHA-256 of all that (64 hexadecimal digits). Little-endian. Errors: 400 `invalid_option`, 422 `no_features`,
+/// `cancelled`.
 Result<std::string> TrainVocabulary(std::span<const Features> features, const SimilarityOptions& options,
                                     const RunContext& context);
 

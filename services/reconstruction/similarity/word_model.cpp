@@ -33,7 +33,7 @@ Status Bad(const std::string& what) {
   return Unprocessable("bad_vocabulary", "the vocabulary cannot be read: " + what);
 }
 
-/// Descriptors drawn evenly from all pictures, about `wanted` in all.
+/// Descriptors drawn evenly from these pictures, about `wanted` in all.
 SampleMatrix TrainingSet(std::span<const Features> features, const SimilarityOptions& options) {
   std::size_t total = 0;
   for (const Features& picture : features) {
@@ -155,6 +155,10 @@ Result<std::string> TrainVocabulary(std::span<const Features> features, const Si
   DRUPE_RETURN_IF_ERROR(options.Check());
   DRUPE_ASSIGN_OR_RETURN(const WordModel model, TrainWords(features, options, context));
   return WriteWords(model);
+}
+
+std::size_t MaxDescriptionLength() {
+  return std::size_t{kMaxGaussians} * (1 + 2 * std::size_t{Features::kDimension});
 }
 
 std::size_t MaxVocabularyBytes() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,7 +23,7 @@ struct WordModel {
 /// Every `stride`-th of the picture's first `limit` descriptors, one a column, L2 norm about 1.
 SampleMatrix DescriptorSamples(const Features& picture, std::size_t limit, std::size_t stride);
 
-/// Errors: 422 `no_features`, `cancelled`.
+/// Trains on all of `features`. Errors: 422 `no_features`, `cancelled`.
 Result<WordModel> TrainWords(std::span<const Features> features, const SimilarityOptions& options,
                              const RunContext& context);
 
@@ -31,5 +32,8 @@ Result<WordModel> TrainWords(std::span<const Features> features, const Similarit
 /// range).
 std::string WriteWords(const WordModel& model);
 Result<WordModel> ReadWords(std::string_view bytes);
+
+/// The most numbers that describe a picture in words of any size.
+std::size_t MaxDescriptionLength();
 
 }  // namespace drupe
