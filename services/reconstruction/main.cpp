@@ -108,7 +108,7 @@ class Workers {
                             ReconstructStages());
     reconstructions_.Handle(kPartKind, PartJob(*stores.objects, limits));
     announcements_.Handle(kAnnounceKind, AnnounceJob(*stores.jobs, analysis));
-    preparations_.Handle(kPrepareKind, PrepareJob(*stores.objects, *stores.derived, limits));
+    preparations_.Handle(kPrepareKind, PrepareJob(*stores.objects, *stores.sets, *stores.derived, limits));
   }
 
   Status Start() {
@@ -180,8 +180,9 @@ int main(int argc, char** argv) {
                     "where users reach that service, for the link to the report; empty: --analysis-url");
   service.AddOption("--workers", settings.workers, "reconstructions at once");
   service.AddOption("--threads", settings.threads, "threads of a reconstruction, 0 for one per core");
-  service.AddOption("--prepare-workers", settings.prepare_workers,
-                    "threads that find features while pictures arrive, 0 for none, -1 for half of the cores");
+  service.AddOption(
+      "--prepare-workers", settings.prepare_workers,
+      "threads that find features and likeness while pictures arrive, 0 for none, -1 for half of the cores");
   service.AddOption("--cache-mb", settings.cache_mb, "disk space for what is known of pictures, 0 for none");
   service.AddOption("--lease-s", settings.lease_s,
                     "seconds after which a worker that has fallen silent loses its job to another");

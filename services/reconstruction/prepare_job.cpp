@@ -2,7 +2,13 @@
 
 #include <sys/resource.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "base/digest.h"
+#include "base/log.h"
+#include "reconstruction/arrived_picture.h"
 #include "reconstruction/picture_features.h"
 #include "reconstruction/pipeline_options.h"
 #include "reconstruction/reconstruct_input.h"
@@ -21,6 +27,21 @@ void LowerThreadPriority() {
   static_cast<void>(lowered);
 }
 
+/// The request with the pictures that its set has now.
+Result<ReconstructRequest> WithPresentImages(ReconstructRequest request, ImageSetStore& sets) {
+  DRUPE_ASSIGN_OR_RETURN(ImageSet set, sets.Get(request.image_set));
+  request.images = std::move(set.images);
+  return request;
+}
+
+/// What cannot be done early, because a set was forgotten or another of its pictures cannot be read, is left to the
+/// reconstruction, which says why.
+Result<std::vector<std::string>> DoneOrLeft(Result<std::vector<std::string>> candidates) {
+  if (candidates.ok() || candidates.status().kind() == StatusKind::kCancelled) return candidates;
+  Log(LogLevel::kWarning, "cannot compare a picture yet", {{"error", candidates.status().ToString()}});
+  return std::vector<std::string>();
+}
+
 }  // namespace
 
 Result<Json> PrepareJob::operator()(const Job& job, const RunContext& context) const {
@@ -29,11 +50,21 @@ Result<Json> PrepareJob::operator()(const Job& job, const RunContext& context) c
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOptions options, ParseReconstructionOptions(request.options));
   const ReconstructionInput input = MakeInput(request, objects_, &cache_, limits_);
   std::size_t features = 0;
+  std::vector<std::string> candidates;
   for (const SourceImage& image : input.images) {
     DRUPE_ASSIGN_OR_RETURN(const PictureFeatures found, FindPictureFeatures(image, input, options, context));
     features += found.features.size();
+    DRUPE_ASSIGN_OR_RETURN(candidates, DoneOrLeft(Compare(image, found.features, request, options, context)));
   }
-  return Json{{"features", features}};
+  return Json{{"features", features}, {"candidates", candidates}};
+}
+
+Result<std::vector<std::string>> PrepareJob::Compare(const SourceImage& image, const Features& features,
+                                                     const ReconstructRequest& request,
+                                                     const ReconstructionOptions& options,
+                                                     const RunContext& context) const {
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest present, WithPresentImages(request, sets_));
+  return DescribeArrived(image, features, MakeInput(present, objects_, &cache_, limits_), options, context);
 }
 
 Status LeavePreparation(JobStore& jobs, const ReconstructRequest& announced, const StoredImage& image) {

@@ -1,11 +1,18 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "base/limits.h"
 #include "base/run_context.h"
 #include "base/status.h"
 #include "jobs/job_store.h"
 #include "reconstruction/derived_cache.h"
+#include "reconstruction/image_sets.h"
+#include "reconstruction/pipeline.h"
+#include "reconstruction/pipeline_options.h"
 #include "reconstruction/reconstruct_request.h"
+#include "scene/features.h"
 #include "store/object_store.h"
 
 namespace drupe {
@@ -15,17 +22,24 @@ inline constexpr const char* kPrepareKind = "prepare";
 /// The job that is left for every picture which arrives in an image set: finds what the reconstruction will need of it
 /// and leaves it in the cache, so that little is left to do after the last picture. A job, so that a crash loses none,
 /// a picture on which the program dies is given up after a few attempts, and another machine may do it. Runs at a low
-/// priority, since uploads and reconstructions come first. Its result is {"features"}: how many there are.
+/// priority, since uploads and reconstructions come first. Its result is {"features", "candidates"}: how many there
+/// are, and what DescribeArrived tells of the pictures that came before, for whoever looks on; nothing follows from it.
 class PrepareJob {
  public:
-  /// Store and cache must outlive the job.
-  PrepareJob(ObjectStore& objects, DerivedCache& cache, const Limits& limits)
-      : objects_(objects), cache_(cache), limits_(limits) {}
+  /// Stores and cache must outlive the job.
+  PrepareJob(ObjectStore& objects, ImageSetStore& sets, DerivedCache& cache, const Limits& limits)
+      : objects_(objects), sets_(sets), cache_(cache), limits_(limits) {}
 
   Result<Json> operator()(const Job& job, const RunContext& context) const;
 
  private:
+  /// DescribeArrived, among the pictures that the set has now.
+  Result<std::vector<std::string>> Compare(const SourceImage& image, const Features& features,
+                                           const ReconstructRequest& request, const ReconstructionOptions& options,
+                                           const RunContext& context) const;
+
   ObjectStore& objects_;
+  ImageSetStore& sets_;
   DerivedCache& cache_;
   const Limits limits_;
 };

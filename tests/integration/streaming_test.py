@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures that are prepared while they arrive: the job finds its features there, and gives the same bytes."""
+"""Pictures that are prepared while they arrive: the job finds there what it needs of them, and gives the same bytes."""
 import json
 import re
 import unittest
@@ -12,6 +12,14 @@ OPTIONS = {**QUICK_OPTIONS, "run_dense": False}
 DOCUMENTS = {"calibration": CALIBRATION, "board": BOARD, "options": OPTIONS}
 IMAGES = 8
 PREPARE_TIMEOUT_S = 60
+
+# More pictures than are matched each with each, so that likeness decides what is matched.
+TRAINED_ON = 5
+COMPARED = sample_images(14)
+COMPARING = {**DOCUMENTS, "options": {"features": {"first_octave": 0, "max_features": 1500}, "run_dense": False,
+                                      "similarity": {"training_images": TRAINED_ON},
+                                      "clusters": {"exhaustive_max_images": 0, "sequence_window": 1}}}
+SPARSE = ("cameras.json", "sparse.ply")
 
 
 def metric(service, name):
@@ -29,12 +37,17 @@ def stream(system, images, announced):
 
 def reconstruct(system, set_id, documents):
     """cameras.json of the set."""
+    return artifacts(system, set_id, documents, "cameras.json")[0]
+
+
+def artifacts(system, set_id, documents, *names):
+    """These files of a reconstruction of the set."""
     reply = system.reconstruction.post_json("/reconstruct", {"image_set": set_id, "analyze": False, **documents})
     assert reply.status == 202, reply
     job_id = reply.json()["id"]
     status = system.wait_until_ended(job_id)
     assert status["status"] == "succeeded", status
-    return system.reconstruction.get(f"/reconstructions/{job_id}/artifacts/cameras.json").body
+    return [system.reconstruction.get(f"/reconstructions/{job_id}/artifacts/{name}").body for name in names]
 
 
 def wait_for_misses(system, count):
@@ -73,6 +86,25 @@ class StreamingTest(DrupeTest):
         self.assert_known(forgetful, 0, parts)
         self.assertEqual(streamed, alone)
         self.assertEqual(again, alone)
+
+    def test_what_pictures_look_like_is_known_when_the_last_has_come(self):
+        system = self.new_system()
+        set_id = stream(system, COMPARED, COMPARING)
+        parts = 2 * len(COMPARED) + 1 + len(COMPARED)  # features and board, the words, descriptions
+        wait_for_misses(system, parts)
+        streamed = artifacts(system, set_id, {}, *SPARSE)
+        self.assertEqual(metric(system.reconstruction, "drupe_derived_misses"), parts)
+
+        forgetful = self.new_system("--prepare-workers", "0", "--cache-mb", "0")
+        batch = artifacts(forgetful, stream(forgetful, COMPARED, {}), COMPARING, *SPARSE)
+        self.assertEqual(streamed, batch)
+
+        reverse = self.new_system()
+        set_id = stream(reverse, [(COMPARED[0][0], COMPARED[-1][1]), *reversed(COMPARED[1:])], COMPARING)
+        name, content = COMPARED[0]  # which was another picture till now
+        put = f"/image-sets/{set_id}/images/{name}"
+        self.assertEqual([reverse.reconstruction.request("PUT", put, content).status for _ in range(2)], [200, 200])
+        self.assertEqual(artifacts(reverse, set_id, {}, *SPARSE), batch)
 
     def test_another_request_than_announced_is_obeyed(self):
         set_id = stream(self.system, sample_images(IMAGES), {"options": OPTIONS})
