@@ -79,7 +79,7 @@ class CaptureServiceTest : public StoreTest {
     JobRunner runner(*jobs_, {});
     runner.Handle(kCalibrateKind, CalibrationJob(*objects_, *calibrations_, Limits{}), CalibrationStages());
     ASSERT_TRUE(runner.Start().ok());
-    for (int i = 0; i < 2400 && !IsTerminal(jobs_->Get(id)->state); ++i) {
+    for (int i = 0; i < 600 && !IsTerminal(jobs_->Get(id)->state); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   }

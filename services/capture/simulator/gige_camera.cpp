@@ -17,7 +17,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::uint16_t kControlPort = 3956;
 constexpr std::size_t kFramesKept = 4;
-constexpr std::uint32_t kBurstPackets = 48;  // then a pause: about the pace of gigabit Ethernet
+constexpr std::uint32_t kBurstPackets = 16;  // then a pause: half the pace of gigabit Ethernet
 constexpr std::chrono::microseconds kBurstPause{500};
 constexpr std::size_t kHeaderBytes = 8;
 constexpr std::size_t kDiscoveryBytes = 0xF8;

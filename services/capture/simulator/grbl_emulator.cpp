@@ -49,16 +49,13 @@ GrblEmulator::~GrblEmulator() {
 
 void GrblEmulator::RaiseAlarm() {
   table_.Stop();
-  alarm_due_ = true;
+  locked_ = true;  // at once, not when the thread comes to it: whoever asks from now on is told so
+  Say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
 }
 
 void GrblEmulator::Run() {
   std::array<char, 128> buffer{};
   while (!ending_) {
-    if (alarm_due_.exchange(false)) {
-      locked_ = true;
-      Say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
-    }
     pollfd entry{fd_, POLLIN, 0};
     if (poll(&entry, 1, 10) <= 0 || (entry.revents & POLLIN) == 0) continue;
     const ssize_t count = read(fd_, buffer.data(), buffer.size());

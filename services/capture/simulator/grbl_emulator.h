@@ -54,7 +54,6 @@ class GrblEmulator {
   bool rapid_ = false;
   double feed_deg_min_ = 600;
   std::atomic<bool> locked_{true};
-  std::atomic<bool> alarm_due_{false};
   std::atomic<bool> silent_{false};
   std::atomic<std::chrono::milliseconds> delay_{std::chrono::milliseconds(0)};
   std::atomic<int> reports_{0};

@@ -13,9 +13,9 @@
 
 namespace drupe {
 
-/// Waits until it is so; false if it is not for a minute.
+/// Waits until it is so; false if it is not within 2.5 s.
 inline bool Becomes(const std::function<bool()>& condition) {
-  for (int i = 0; i < 12'000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  for (int i = 0; i < 500 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   return condition();
 }
 

@@ -32,6 +32,11 @@ TEST(SimulatedTableTest, PulsesOnceAtEveryMultipleInEitherDirection) {
   table.SkipPulses(1);
   table.Move(15, 3600);  // 10 is swallowed
   EXPECT_TRUE(Becomes([&] { return seen() == std::vector<double>{10, 20, 30, 20, 10, 20}; }));
+  ASSERT_TRUE(Becomes([&] { return !table.moving(); }));
+  const std::size_t before = seen().size();
+  table.Move(360, 3600);
+  EXPECT_TRUE(Becomes([&] { return !table.moving() && seen().size() == before + 36; }));
+  EXPECT_DOUBLE_EQ(table.position_deg(), 380);
 }
 
 TEST(SimulatedTableTest, PassesItsPulsesWhenTheTimeSaysSo) {
@@ -57,12 +62,12 @@ TEST(SimulatedTableTest, PassesItsPulsesWhenTheTimeSaysSo) {
 
 TEST(SimulatedTableTest, StopsWhereItIs) {
   SimulatedTable table(10, nullptr);
-  table.Move(1e6, 100);
+  table.Move(1000, 100);
   ASSERT_TRUE(Becomes([&] { return table.position_deg() > 0.1; }));
   table.Stop();
   const double stopped = table.position_deg();
   EXPECT_FALSE(table.moving());
-  EXPECT_LT(stopped, 1e6);
+  EXPECT_LT(stopped, 100);
   std::this_thread::sleep_for(milliseconds(20));  // in which it would turn by 2 degrees
   EXPECT_EQ(table.position_deg(), stopped);
 }
