@@ -95,6 +95,44 @@ TEST(DemosaicTest, RestoresAPhotographBetterThanBilinearly) {
   }
 }
 
+double LumaPsnr(const RgbImage& a, const RgbImage& b) {
+  const auto luma = [](const RgbImage& image, int x, int y) {
+    return 0.299 * image.At(x, y, 0) + 0.587 * image.At(x, y, 1) + 0.114 * image.At(x, y, 2);
+  };
+  double sum = 0;
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) sum += std::pow(luma(a, x, y) - luma(b, x, y), 2);
+  }
+  return 10 * std::log10(255.0 * 255.0 * a.width() * a.height() / sum);
+}
+
+// Poses follow luma: what the mosaic adds to it must stay below the noise of a sample, which is two levels here.
+TEST(DemosaicTest, RestoresLumaToLessThanALevel) {
+  const auto bytes = ReadFile(std::string(DRUPE_TEST_DATA) + "/plum-s/images/00.jpg");
+  ASSERT_TRUE(bytes.ok());
+  const auto photograph = DecodeRgb(*bytes);
+  ASSERT_TRUE(photograph.ok());
+  for (const FrameLayout layout : kLayouts) {
+    const auto image = DevelopFrame(MosaicOf(*photograph, layout));
+    ASSERT_TRUE(image.ok());
+    EXPECT_GT(LumaPsnr(*image, *photograph), 20 * std::log10(255));
+    EXPECT_GT(Psnr(*image, *photograph), 46);
+  }
+}
+
+TEST(DemosaicTest, KeepsWhatWasMeasured) {
+  const auto bytes = ReadFile(std::string(DRUPE_TEST_DATA) + "/plum-s/images/00.jpg");
+  ASSERT_TRUE(bytes.ok());
+  const auto photograph = DecodeRgb(*bytes);
+  ASSERT_TRUE(photograph.ok());
+  for (const FrameLayout layout : kLayouts) {
+    const RawFrame frame = MosaicOf(*photograph, layout);
+    const auto image = DevelopFrame(frame);
+    ASSERT_TRUE(image.ok());
+    EXPECT_EQ(MosaicOf(*image, layout).bytes, frame.bytes);
+  }
+}
+
 TEST(DemosaicTest, CopiesColourAndGrey) {
   RawFrame grey;
   grey.width = grey.height = 4;
