@@ -7,6 +7,7 @@
 namespace drupe {
 namespace {
 
+constexpr double kThreadlike = 8;      // length over width from which half the depth tells a crack: no scar is so thin
 constexpr double kFullLightness = 60;  // L of the skin for which a threshold of lightness is meant as it stands
 
 // How surely `value` is on its side of `threshold`: 0.5 on it, 0.95 a factor of e^(1/2) away.
@@ -73,7 +74,8 @@ Classification Classify(const DefectShape& shape, const ClassOptions& options) {
   const bool narrow = shape.width_mm < options.crack_max_width_mm;
   // On dark skin a dark crack makes a smaller step.
   const double darkest = options.crack_max_lightness * std::clamp(shape.skin_lightness / kFullLightness, 0.0, 1.0);
-  const bool dark = shape.lightness_step < darkest || IsSunk(shape, options.crack_min_depth_mm);
+  const double least_depth = options.crack_min_depth_mm * (shape.elongation < kThreadlike ? 1 : 0.5);
+  const bool dark = shape.lightness_step < darkest || IsSunk(shape, least_depth);
   const double width = Sureness(shape.width_mm, options.crack_max_width_mm);
   const double darkness = SurenessOfDifference(shape.lightness_step, darkest, 10);
   if (narrow && dark) return {DefectClass::kCrack, std::min({elongated, width, darkness})};

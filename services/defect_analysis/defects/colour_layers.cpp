@@ -10,7 +10,8 @@
 namespace drupe {
 namespace {
 
-constexpr float kLeastAngle = 0.15f;     // distance of the second colour from the first's line, over the first's length
+constexpr float kLeastAngle = 0.15f;     // distance of the second colour from the first's line, over that along it
+constexpr float kLeastAlong = 0.25f;     // of the first's length: how much of it shade may hide in any colour
 constexpr float kLeastNoise = 4;         // the same in standard deviations of a node
 constexpr float kPure = 0.75f;           // share from which a node tells a corner's colour
 constexpr double kStrongestArea = 0.12;  // mm2 of the strongest nodes that give the first corner
@@ -58,6 +59,12 @@ Eigen::Vector3f OffLine(const Eigen::Vector3f& colour, const Eigen::Vector3f& fi
   return colour - along * first;
 }
 
+// How far off the first colour's line noise and shading carry what is a share of it, which they do by that share.
+float LimitOf(const Eigen::Vector3f& colour, const Eigen::Vector3f& first) {
+  const float along = std::clamp(colour.dot(first) / first.squaredNorm(), kLeastAlong, 1.0f);
+  return std::max(kLeastNoise * kKernelNoise, kLeastAngle * along * first.norm());
+}
+
 class Separation {
  public:
   Separation(const TransitionField& field, double level) : field_(field) {
@@ -73,8 +80,7 @@ class Separation {
     const double node_area = field_.step * field_.step;
     if (static_cast<double>(nodes_.size()) * node_area < 2 * min_area) return false;
     first_ = StrongestColour(node_area);
-    const float limit = std::max(kLeastNoise * kKernelNoise, kLeastAngle * first_.norm());
-    const std::vector<std::uint8_t> wide = WideOffLine(limit);
+    const std::vector<std::uint8_t> wide = WideOffLine();
     std::vector<std::pair<float, std::size_t>> off;
     for (std::size_t i = 0; i < colours_.size(); ++i) {
       if (wide[nodes_[i]] != 0) off.emplace_back(-OffLine(colours_[i], first_).norm(), i);
@@ -86,7 +92,8 @@ class Separation {
     for (const auto& [distance, i] : off) farthest.push_back(colours_[i]);
     second_ = MedianOf(farthest);
     for (int k = 0; k < kRefinements; ++k) Refine();
-    return OffLine(second_, first_).norm() > limit && OffLine(first_, second_).norm() > limit;
+    return OffLine(second_, first_).norm() > LimitOf(second_, first_) &&
+           OffLine(first_, second_).norm() > LimitOf(first_, first_);
   }
 
   // Distance in Lab of the second colour from the best mixture of the first and skin, or the reverse if less.
@@ -135,10 +142,10 @@ class Separation {
   }
 
   // Nodes of the patch well off the first colour's line, away from rims.
-  std::vector<std::uint8_t> WideOffLine(float limit) const {
+  std::vector<std::uint8_t> WideOffLine() const {
     std::vector<std::uint8_t> mask(field_.level.size(), 0);
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-      mask[nodes_[i]] = OffLine(colours_[i], first_).norm() > limit ? 1 : 0;
+      mask[nodes_[i]] = OffLine(colours_[i], first_).norm() > LimitOf(colours_[i], first_) ? 1 : 0;
     return Eroded(std::move(mask));
   }
 

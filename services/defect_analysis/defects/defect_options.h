@@ -57,11 +57,12 @@ struct ContourOptions {
 struct ClassOptions {
   /// Trained from labelled reports; none: the rules. In JSON "model" is "rules" or the content of a model file.
   std::optional<ClassModel> model;
-  double decay_min_area_mm2 = 20.0;    ///< a compact defect larger than this is decay
-  double elongated_min = 2.5;          ///< length / width from which a defect is a scar or a crack
-  double crack_max_width_mm = 0.9;     ///< an elongated defect narrower than this, and dark, is a crack
-  double decay_min_depth_mm = 0.15;    ///< a compact defect half as large and sunk deeper than this is decay
-  double crack_min_depth_mm = 0.12;    ///< an elongated, narrow defect sunk deeper than this is a crack, dark or not
+  double decay_min_area_mm2 = 20.0;  ///< a compact defect larger than this is decay
+  double elongated_min = 2.5;        ///< length / width from which a defect is a scar or a crack
+  double crack_max_width_mm = 0.9;   ///< an elongated defect narrower than this, and dark, is a crack
+  double decay_min_depth_mm = 0.15;  ///< a compact defect half as large and sunk deeper than this is decay
+  /// An elongated, narrow defect sunk deeper than this is a crack, dark or not; one 8 times as long as wide, than half.
+  double crack_min_depth_mm = 0.12;
   /// L of the defect minus L of the skin about it, from which it counts as dark; less by as much as the skin's L is
   /// less than 60.
   double crack_max_lightness = -12.0;

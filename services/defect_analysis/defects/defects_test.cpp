@@ -280,6 +280,20 @@ TEST(StandsOut, BrightSkinBetweenShadowsDoesNotAndAPaleScarDoes) {
   EXPECT_FALSE(StandsOut(field, 9, options));
 }
 
+// On brown skin, to which bleaching adds nearly white light, and gloss white light.
+TEST(StandsOut, AnEvenSpotOfGlossDoesNotAndAPaleOneThatIsNotQuiteWhiteDoes) {
+  const FruitSurface surface = Sphere(18);
+  TransitionField field = DiscField(surface, false, false);
+  field.full_level = field.level;
+  field.noise = 0.1;
+  field.blur = 0.07;
+  field.healthy_linear = {0.155, 0.089, 0.044};
+  field.defect_linear = {0.362, 0.312, 0.252};
+  EXPECT_TRUE(StandsOut(field, 9, {}));
+  field.defect_linear = field.healthy_linear + Eigen::Vector3d::Constant(0.22);
+  EXPECT_FALSE(StandsOut(field, 9, {}));
+}
+
 TEST(StandsOut, NotFromSkinThatIsAsUneven) {
   const FruitSurface surface = Sphere(18);
   TransitionField field = FieldOfColours(surface, {0.25, 0.30, 0.05}, {0.15, 0.14, 0.05});
@@ -301,6 +315,19 @@ TEST(Classify, ByShapeSizeAndColour) {
   DefectShape on_dark_skin = ShapeOf(Ellipse(4, 0.25, 100), std::numbers::pi, -8);
   on_dark_skin.skin_lightness = 28;
   EXPECT_EQ(Classify(on_dark_skin, {}).defect_class, DefectClass::kCrack);
+}
+
+TEST(Classify, AThreadSunkAtAllIsACrackOfAnyColour) {
+  DefectShape thread = ShapeOf(Ellipse(4, 0.25, 100), std::numbers::pi, 0);
+  thread.depth_mm = 0.09;
+  thread.depth_uncertainty_mm = 0.015;
+  EXPECT_EQ(Classify(thread, {}).defect_class, DefectClass::kCrack);
+  DefectShape shorter = ShapeOf(Ellipse(1.5, 0.25, 100), 0.375 * std::numbers::pi, 0);
+  shorter.depth_mm = thread.depth_mm;
+  shorter.depth_uncertainty_mm = thread.depth_uncertainty_mm;
+  EXPECT_EQ(Classify(shorter, {}).defect_class, DefectClass::kScar);
+  thread.depth_uncertainty_mm = 0.04;  // or the skin's own unevenness
+  EXPECT_EQ(Classify(thread, {}).defect_class, DefectClass::kScar);
 }
 
 TEST(Classify, ConfidenceFallsTowardsAThreshold) {

@@ -72,6 +72,30 @@ TEST(SeparateDefects, TellsABrownSpotFromABlackStripItTouches) {
   EXPECT_TRUE(second.completed);
 }
 
+// The spot's colour is sixteen times as far from the skin's as the strip's, which is as light as the skin.
+TEST(SeparateDefects, TellsAStripOfAnotherHueFromABleachedSpotItTouches) {
+  const FruitSurface surface = Ball();
+  const Eigen::Vector3f bleached(1.2f, 0.8f, 9.0f), hue(-0.1f, -0.45f, -0.3f);
+  const auto strip = [](const Eigen::Vector2d& p) {
+    return static_cast<float>(std::clamp(0.5 + (0.3 - std::abs(p.y())) / 0.2, 0.0, 1.0)) *
+           (std::abs(p.x()) < 2.4 ? 1.0f : 0.0f);
+  };
+  const auto spot = [](const Eigen::Vector2d& p) { return Disc(p, {0.3, 1.1}, 0.9); };
+  TransitionField field = FieldOf(
+      surface, [&](const Eigen::Vector2d& p) { return (1 - strip(p)) * spot(p); },
+      [&](const Eigen::Vector2d& p) { return Eigen::Vector3f(strip(p) * hue + (1 - strip(p)) * spot(p) * bleached); });
+  for (int row = 0; row < field.height; ++row) {
+    for (int column = 0; column < field.width; ++column) {
+      if (strip(field.FlatOf(column, row)) > 0.3f)
+        field.inside[static_cast<std::size_t>(row) * field.width + column] = 1;
+    }
+  }
+  const Outlines found = SeparateDefects(field, 9, {});
+  ASSERT_EQ(found.outlines.size(), 2u);
+  EXPECT_NEAR(SignedArea(found.outlines[0].polygon), pi * 0.81, 0.15);
+  EXPECT_NEAR(SignedArea(found.outlines[1].polygon), 4.8 * 0.6, 0.15);
+}
+
 TEST(SeparateDefects, LeavesASpotWithADarkMiddleWhole) {
   const FruitSurface surface = Ball();
   const auto change = [](const Eigen::Vector2d& p) {

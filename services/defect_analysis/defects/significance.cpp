@@ -12,6 +12,7 @@ namespace {
 constexpr double kGrey = 0.1;       // of the mean: channels that differ less do not tell gloss from a change of pigment
 constexpr double kMostLit = 1.5;    // times the skin beside a spot: within it, light changes more at a shadow only
 constexpr double kOwnLight = 0.08;  // by which gloss leaves the gain of the skin's own light at 1
+constexpr double kTint = 0.5;  // of significance_delta_e: lamps are not so coloured that their gloss differs by more
 
 /// colour = gain * skin + gloss, by least squares over the channels.
 struct LightFit {
@@ -81,7 +82,8 @@ bool StandsOut(const TransitionField& field, double threshold, const DefectOptio
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options) {
   const double weight = options.segmentation.lightness_weight;
   if (field.noise * options.segmentation.local_sigma > 1 || Contrast(field, weight) < threshold) return false;
-  if (ContrastBeyondLight(field, weight) < threshold && !MayBePigment(field.defect_linear, field.healthy_linear)) {
+  const double beyond_light = std::min(threshold, kTint * options.segmentation.significance_delta_e);
+  if (ContrastBeyondLight(field, weight) < beyond_light && !MayBePigment(field.defect_linear, field.healthy_linear)) {
     return false;
   }
   return HasStainsEdge(field, options.contour.level, options.cluster.min_area_mm2);

@@ -20,7 +20,8 @@ double Contrast(const TransitionField& field, double lightness_weight);
 bool StandsOut(const TransitionField& field, double threshold, const DefectOptions& options);
 
 /// The same for a patch whose contrast, light included, reaches `threshold`: it must have a stain's edge, and where
-/// light alone explains its colour, the skin's own light must have changed, as pigment changes it and gloss does not.
+/// light alone explains its colour but for a tint that lamps may have, the skin's own light must have changed, as
+/// pigment changes it and gloss does not.
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options);
 
 }  // namespace drupe
