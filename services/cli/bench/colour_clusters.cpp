@@ -36,6 +36,20 @@ ColourClusters ClusterByOpenCv(const std::vector<Eigen::Vector3f>& colours, int 
   return clusters;
 }
 
+ColourClusters ClusterByNearest(const std::vector<Eigen::Vector3f>& colours,
+                                const std::vector<Eigen::Vector3f>& centres) {
+  ColourClusters clusters{.colours = colours, .class_of = {}, .classes = static_cast<int>(centres.size())};
+  clusters.class_of.reserve(colours.size());
+  for (const Eigen::Vector3f& colour : colours) {
+    const auto nearest =
+        std::min_element(centres.begin(), centres.end(), [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+          return (colour - a).squaredNorm() < (colour - b).squaredNorm();
+        });
+    clusters.class_of.push_back(static_cast<std::uint8_t>(nearest - centres.begin()));
+  }
+  return clusters;
+}
+
 std::optional<double> DaviesBouldinIndex(const ColourClusters& clusters) {
   std::vector<Eigen::Vector4d> sums(clusters.classes, Eigen::Vector4d::Zero());
   for (std::size_t i = 0; i < clusters.colours.size(); ++i) {

@@ -19,6 +19,10 @@ struct ColourClusters {
 /// 2007), one attempt, at most 30 iterations.
 ColourClusters ClusterByOpenCv(const std::vector<Eigen::Vector3f>& colours, int classes, bool spread_centres);
 
+/// The colours' classes by the nearest of some centres, at least one and at most 256; cpu_s is left at 0.
+ColourClusters ClusterByNearest(const std::vector<Eigen::Vector3f>& colours,
+                                const std::vector<Eigen::Vector3f>& centres);
+
 /// The Davies-Bouldin index over all points (Davies and Bouldin 1979); nothing for fewer than two classes with points.
 std::optional<double> DaviesBouldinIndex(const ColourClusters& clusters);
 

@@ -29,6 +29,13 @@ TEST(ColourClusters, OpenCvFindsTwoCloudsAndTheIndexSaysSo) {
   EXPECT_DOUBLE_EQ(DefectAgreement(two, truth, false).value(), 1);
 }
 
+TEST(ColourClusters, NearestCentresDivideTwoCloudsAsKMeansDoes) {
+  const ColourClusters nearest = ClusterByNearest(TwoClouds(), {Eigen::Vector3f(0.2f, 0, 0), Eigen::Vector3f(9, 0, 0)});
+  EXPECT_EQ(nearest.classes, 2);
+  EXPECT_NEAR(DaviesBouldinIndex(nearest).value(), 0.16, 0.01);
+  for (std::size_t k = 0; k < nearest.class_of.size(); ++k) ASSERT_EQ(nearest.class_of[k], k % 10 == 0 ? 1 : 0);
+}
+
 TEST(ColourClusters, AgreementIsIntersectionOverUnion) {
   ColourClusters clusters;
   clusters.class_of = {0, 0, 1, 1, 2, 2};

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "image/colour.h"
 
 namespace drupe {
 namespace {
 
-constexpr int kRingSteps = 2;  // from the cells beside a spot to the skin that it is compared with
+constexpr double kSkinFrom = 0.4;  // mm from a spot: what lies nearer may be tinted by the spot's own soft edge
+constexpr int kSkinSteps = 2;      // cells that the ring of skin is wide which a spot is compared with
 
 Eigen::Vector3f DeviationOf(const Eigen::Vector3f& lab, const Eigen::Vector3f& healthy, float lightness_weight) {
   return Eigen::Vector3f(lightness_weight * lab[0], lab[1], lab[2]) - healthy;
@@ -33,13 +35,15 @@ struct MeanColours {
 class SpotClasses {
  public:
   SpotClasses(const FruitCloud& fruit, const SkinMap& map, const SkinColours& colours, const Segmentation& segmentation,
-              float lightness_weight)
+              float lightness_weight, double min_area_mm2)
       : fruit_(fruit),
         map_(map),
         colours_(colours),
         segmentation_(segmentation),
         weight_(lightness_weight),
+        min_area_(min_area_mm2),
         taken_(static_cast<std::size_t>(map.size()), 0),
+        depth_(static_cast<std::size_t>(map.size()), 0),
         classes_(fruit.size(), 0) {}
 
   std::vector<std::uint8_t> Run() {
@@ -62,15 +66,18 @@ class SpotClasses {
     const std::size_t own = spot.size();
     Widen(spot, 0, own, false);
     const std::size_t beside = spot.size();  // up to here points are classed; beyond it lies healthy skin
-    std::vector<std::int32_t> ring(spot.begin() + static_cast<std::ptrdiff_t>(own), spot.end());
-    for (int step = 0; step < kRingSteps; ++step) ring = Around(ring);
-    const MeanColours core = MeanOf(CoreOf(spot, own)), skin = MeanOf(ring);
+    double area = 0;
+    for (std::size_t k = 0; k < own; ++k) area += map_.AreaOf(spot[k]);
+    if (area < min_area_) return;
+    const MeanColours core = MeanOf(CoreOf(spot, own));
+    const MeanColours skin = MeanOf(SkinAbout({spot.begin() + static_cast<std::ptrdiff_t>(own), spot.end()}));
     if (core.points == 0) return;
-    const float halfway = HalfwayOf(core, skin) * core.deviation.squaredNorm();
+    const Eigen::Vector3f way = core.deviation - skin.deviation;
+    const float halfway = HalfwayOf(core, skin) * way.squaredNorm();
     const std::uint8_t defect_class = NearestDefectClass(core.deviation, segmentation_.centres);
     for (std::size_t k = 0; k < beside; ++k) {
       for (const std::uint32_t i : map_.PointsOf(spot[k])) {
-        if (DeviationAt(spot[k], i).dot(core.deviation) >= halfway) classes_[i] = defect_class;
+        if ((DeviationAt(spot[k], i) - skin.deviation).dot(way) >= halfway) classes_[i] = defect_class;
       }
     }
   }
@@ -99,17 +106,38 @@ class SpotClasses {
     return around;
   }
 
-  // The cells that lie within the spot with all their neighbours; of a small spot all of its own.
-  std::vector<std::int32_t> CoreOf(const std::vector<std::int32_t>& spot, std::size_t own) const {
-    std::vector<std::int32_t> core;
+  // A ring of skin cells about the cells beside a spot, clear of its edge.
+  std::vector<std::int32_t> SkinAbout(const std::vector<std::int32_t>& beside) const {
+    const int steps = static_cast<int>(std::ceil(kSkinFrom / map_.CellSize())) + kSkinSteps;
+    std::vector<std::int32_t> within = beside, skin, near;
+    for (int step = 1; step <= steps; ++step) {
+      within = Around(within);
+      if (step == steps - kSkinSteps) near = within;
+    }
+    std::set_difference(within.begin(), within.end(), near.begin(), near.end(), std::back_inserter(skin));
+    return skin;
+  }
+
+  // The cells that lie deepest in the spot, whose colour its soft edge does not dilute.
+  std::vector<std::int32_t> CoreOf(const std::vector<std::int32_t>& spot, std::size_t own) {
+    std::vector<std::int32_t> order;  // from the rim inwards
     for (std::size_t k = 0; k < own; ++k) {
       const auto neighbours = map_.NeighboursOf(spot[k]);
-      if (std::all_of(neighbours.begin(), neighbours.end(), [&](std::int32_t c) { return IsDefect(c); })) {
-        core.push_back(spot[k]);
+      if (std::all_of(neighbours.begin(), neighbours.end(), [&](std::int32_t c) { return IsDefect(c); })) continue;
+      depth_[spot[k]] = 1;
+      order.push_back(spot[k]);
+    }
+    for (std::size_t next = 0; next < order.size(); ++next) {
+      for (const std::int32_t other : map_.NeighboursOf(order[next])) {
+        if (!IsDefect(other) || depth_[other] != 0) continue;
+        depth_[other] = depth_[order[next]] + 1;
+        order.push_back(other);
       }
     }
-    if (core.empty()) core.assign(spot.begin(), spot.begin() + static_cast<std::ptrdiff_t>(own));
-    return core;
+    if (order.empty()) return {spot.begin(), spot.begin() + static_cast<std::ptrdiff_t>(own)};  // all of the skin
+    const std::int32_t least = (3 * depth_[order.back()] + 4) / 5;
+    const auto first = std::find_if(order.begin(), order.end(), [&](std::int32_t c) { return depth_[c] >= least; });
+    return {first, order.end()};
   }
 
   MeanColours MeanOf(const std::vector<std::int32_t>& cells) const {
@@ -145,16 +173,20 @@ class SpotClasses {
   const SkinColours& colours_;
   const Segmentation& segmentation_;
   float weight_;
+  double min_area_;
   std::vector<std::uint8_t> taken_;
+  std::vector<std::int32_t> depth_;  // of a spot's cells, in cells from its rim
   std::vector<std::uint8_t> classes_;
 };
 
 }  // namespace
 
 std::vector<std::uint8_t> ClassifyPoints(const FruitCloud& fruit, const SkinMap& map, const SkinColours& colours,
-                                         const Segmentation& segmentation, const SegmentationOptions& options) {
+                                         const Segmentation& segmentation, const SegmentationOptions& options,
+                                         const ClusterOptions& cluster) {
   if (segmentation.centres.size() < 2) return std::vector<std::uint8_t>(fruit.size(), 0);
-  return SpotClasses(fruit, map, colours, segmentation, static_cast<float>(options.lightness_weight)).Run();
+  const auto weight = static_cast<float>(options.lightness_weight);
+  return SpotClasses(fruit, map, colours, segmentation, weight, cluster.min_area_mm2).Run();
 }
 
 std::vector<Eigen::Vector3f> PointDeviations(const FruitCloud& fruit, const SkinMap& map, const SkinColours& colours,

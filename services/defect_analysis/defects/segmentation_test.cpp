@@ -140,5 +140,36 @@ TEST(ClassifyPoints, EndsADefectWhereThePointsColourDoes) {
   EXPECT_GT(both / either, 0.99);
 }
 
+// A spot whose colour fades out over 0.6 mm ends half way all the same, and a speck is no defect.
+TEST(ClassifyPoints, EndsASoftSpotHalfWayAndLeavesSpecksOut) {
+  FruitCloud fruit = SphereCloud(400000);
+  const Eigen::Vector3f middle = Eigen::Vector3f(1, 0.3f, 0.2f).normalized();
+  const Eigen::Vector3f speck = Eigen::Vector3f(-1, 0.3f, 0.2f).normalized();
+  std::vector<std::uint8_t> truth;
+  for (std::size_t i = 0; i < fruit.size(); ++i) {
+    const Eigen::Vector3f d = fruit.offsets[i].normalized();
+    const float away = 18 * std::acos(std::clamp(d.dot(middle), -1.0f, 1.0f));
+    truth.push_back(away < 1 ? 1 : 0);
+    float share = std::clamp(0.5f + (1 - away) / 0.6f, 0.0f, 1.0f);
+    if (18 * std::acos(std::clamp(d.dot(speck), -1.0f, 1.0f)) < 0.25f) share = 1;
+    const Eigen::Array3f skin(120, 140, 60), spot(110, 95, 60);
+    const Eigen::Array3f mixed = ((1 - share) * skin.pow(2.2f) + share * spot.pow(2.2f)).pow(1 / 2.2f);
+    fruit.colours[i] = (mixed + 0.5f).cast<std::uint8_t>();
+    fruit.lab[i] = LabFromSrgb(fruit.colours[i]);
+  }
+  const SkinMap map(fruit);
+  const auto colours = MeasureDeviation(fruit, map, {});
+  ASSERT_TRUE(colours.ok());
+  const Segmentation segmentation = SegmentColours(colours->deviation, colours->seen, colours->sigma, {});
+  const std::vector<std::uint8_t> classes = ClassifyPoints(fruit, map, *colours, segmentation, {});
+  double both = 0, either = 0;
+  for (std::size_t i = 0; i < fruit.size(); ++i) {
+    both += truth[i] != 0 && classes[i] != 0 ? 1 : 0;
+    either += truth[i] != 0 || classes[i] != 0 ? 1 : 0;
+  }
+  EXPECT_GT(either, 200);
+  EXPECT_GT(both / either, 0.97);
+}
+
 }  // namespace
 }  // namespace drupe
