@@ -6,22 +6,22 @@
 namespace drupe {
 namespace {
 
-using Value = std::int16_t;
+using Entry = std::int16_t;
 
-Value Middle(Value a, Value b, Value c) {
+Entry Middle(Entry a, Entry b, Entry c) {
   return std::max(std::min(a, b), std::min(std::max(a, b), c));
 }
 
 /// A row's values and those above and below each, in order.
 struct SortedColumns {
-  std::vector<Value> low, middle, high;
+  std::vector<Entry> low, middle, high;
 };
 
 /// Plain loops over rows, which compilers turn into vector code.
-void SortColumns(std::array<const Value*, 3> rows, std::size_t count, SortedColumns& sorted) {
-  Value *low = sorted.low.data(), *middle = sorted.middle.data(), *high = sorted.high.data();
+void SortColumns(std::array<const Entry*, 3> rows, std::size_t count, SortedColumns& sorted) {
+  Entry *low = sorted.low.data(), *middle = sorted.middle.data(), *high = sorted.high.data();
   for (std::size_t i = 0; i < count; ++i) {
-    const Value a = rows[0][i], b = rows[1][i], c = rows[2][i];
+    const Entry a = rows[0][i], b = rows[1][i], c = rows[2][i];
     low[i] = std::min(std::min(a, b), c);
     middle[i] = Middle(a, b, c);
     high[i] = std::max(std::max(a, b), c);
@@ -29,8 +29,8 @@ void SortColumns(std::array<const Value*, 3> rows, std::size_t count, SortedColu
 }
 
 /// The median of nine is that of the largest low, the middle middle and the smallest high of three sorted columns.
-void TakeMedians(const SortedColumns& sorted, std::size_t count, Value* out) {
-  const Value *low = sorted.low.data(), *middle = sorted.middle.data(), *high = sorted.high.data();
+void TakeMedians(const SortedColumns& sorted, std::size_t count, Entry* out) {
+  const Entry *low = sorted.low.data(), *middle = sorted.middle.data(), *high = sorted.high.data();
   for (std::size_t i = 0; i < count; ++i) {
     out[i] = Middle(std::max(std::max(low[i], low[i + 1]), low[i + 2]), Middle(middle[i], middle[i + 1], middle[i + 2]),
                     std::min(std::min(high[i], high[i + 1]), high[i + 2]));
@@ -38,8 +38,8 @@ void TakeMedians(const SortedColumns& sorted, std::size_t count, Value* out) {
 }
 
 /// The middle of three weighed 1 : 6 : 1, rounded.
-Value Weigh(Value before, Value middle, Value after) {
-  return static_cast<Value>((before + 6 * middle + after + 4) >> 3);
+Entry Weigh(Entry before, Entry middle, Entry after) {
+  return static_cast<Entry>((before + 6 * middle + after + 4) >> 3);
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ Value Weigh(Value before, Value middle, Value after) {
 Lattice Median3x3(const Lattice& from, int reach) {
   Lattice medians(from.columns(), from.rows());
   const auto count = static_cast<std::size_t>(from.columns() + 2 * reach);
-  SortedColumns sorted{std::vector<Value>(count + 2), std::vector<Value>(count + 2), std::vector<Value>(count + 2)};
+  SortedColumns sorted{std::vector<Entry>(count + 2), std::vector<Entry>(count + 2), std::vector<Entry>(count + 2)};
   for (int y = -reach; y < from.rows() + reach; ++y) {
     const int left = -reach - 1;
     SortColumns({from.Row(y - 1) + left, from.Row(y) + left, from.Row(y + 1) + left}, count + 2, sorted);
@@ -59,12 +59,12 @@ Lattice Median3x3(const Lattice& from, int reach) {
 Lattice Smooth(const Lattice& from, int reach) {
   Lattice smooth(from.columns(), from.rows());
   const auto count = static_cast<std::size_t>(from.columns() + 2 * reach);
-  std::vector<Value> columns(count + 2);
+  std::vector<Entry> columns(count + 2);
   for (int y = -reach; y < from.rows() + reach; ++y) {
     const int left = -reach - 1;
-    const Value *above = from.Row(y - 1) + left, *row = from.Row(y) + left, *below = from.Row(y + 1) + left;
+    const Entry *above = from.Row(y - 1) + left, *row = from.Row(y) + left, *below = from.Row(y + 1) + left;
     for (std::size_t i = 0; i < count + 2; ++i) columns[i] = Weigh(above[i], row[i], below[i]);
-    Value* out = smooth.Row(y) - reach;
+    Entry* out = smooth.Row(y) - reach;
     for (std::size_t i = 0; i < count; ++i) out[i] = Weigh(columns[i], columns[i + 1], columns[i + 2]);
   }
   return smooth;

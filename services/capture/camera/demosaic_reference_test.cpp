@@ -35,9 +35,11 @@ class Field {
 class PlainDemosaic {
  public:
   PlainDemosaic(const std::vector<std::uint8_t>& mosaic, int width, int height, RedPlace red)
-      : mosaic_(mosaic), width_(width), height_(height), red_(red), differences_(width, height) {
+      : mosaic_(mosaic), width_(width), height_(height), red_(red), differences_(width, height), fine_(width, height) {
     ForAllWithin(10, [&](int x, int y) { return Chosen(x, y); });
-    for (int around = 8; around >= 4; around -= 2) ForAllWithin(around, [&](int x, int y) { return Median(x, y); });
+    ForAllWithin(8, [&](int x, int y) { return Median(x, y); });
+    fine_ = differences_;
+    for (int around : {6, 4}) ForAllWithin(around, [&](int x, int y) { return Median(x, y); });
     ForAllWithin(4, [&](int x, int y) { return Weighed(x, y, 0, 2); });
     ForAllWithin(2, [&](int x, int y) { return Weighed(x, y, 2, 0); });
   }
@@ -45,8 +47,11 @@ class PlainDemosaic {
   /// Channel 0..2 of a pixel.
   int Colour(int x, int y, int channel) const {
     const int own = IsGreen(x, y) ? 0 : differences_.At(x, y);
-    const int green = 4 * Sample(x, y) - own;
-    const int less_green = channel == 1 ? 0 : Interpolated(x, y, channel == 0);
+    const int red = Interpolated(fine_, x, y, true), blue = Interpolated(fine_, x, y, false);
+    const int luma_excess =
+        77 * (Interpolated(differences_, x, y, true) - red) + 29 * (Interpolated(differences_, x, y, false) - blue);
+    const int green = 4 * Sample(x, y) - own + ((luma_excess + 128) >> 8);
+    const int less_green = channel == 0 ? red : channel == 1 ? 0 : blue;
     return std::clamp((std::max(green + less_green, 0) + 2) / 4, 0, 255);
   }
 
@@ -87,10 +92,10 @@ class PlainDemosaic {
     return (differences_.At(x - dx, y - dy) + 6 * differences_.At(x, y) + differences_.At(x + dx, y + dy) + 4) >> 3;
   }
   /// The mean of the nearest differences of red or of blue.
-  int Interpolated(int x, int y, bool of_red) const {
+  int Interpolated(const Field& differences, int x, int y, bool of_red) const {
     const int dx = IsRedColumn(x) == of_red ? 0 : 1, dy = IsRedRow(y) == of_red ? 0 : 1;
-    const int sum = differences_.At(x - dx, y - dy) + differences_.At(x + dx, y - dy) +
-                    differences_.At(x - dx, y + dy) + differences_.At(x + dx, y + dy);
+    const int sum = differences.At(x - dx, y - dy) + differences.At(x + dx, y - dy) + differences.At(x - dx, y + dy) +
+                    differences.At(x + dx, y + dy);
     return sum >> 2;
   }
 
@@ -109,6 +114,7 @@ class PlainDemosaic {
   int width_, height_;
   RedPlace red_;
   Field differences_;  ///< of red at red pixels, of blue at blue ones
+  Field fine_;         ///< the same after the first median
 };
 
 void ExpectAsPlain(const std::vector<std::uint8_t>& mosaic, int width, int height, RedPlace red) {
