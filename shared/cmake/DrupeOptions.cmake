@@ -18,6 +18,10 @@ add_link_options($<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-pie>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   add_compile_options(-Wno-restrict)  # GCC 12 warns of "text" + std::to_string(n), wrongly (GCC bug 105651)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # The compiler collects its garbage from half a gigabyte on, not from an eighth: a fifteenth of its time.
+  add_compile_options(--param=ggc-min-heapsize=524288)
+endif()
 if(DRUPE_WARNINGS_AS_ERRORS)
   add_compile_options(-Werror)
 endif()
@@ -26,8 +30,9 @@ if(DRUPE_SANITIZE)
   add_link_options(-fsanitize=${DRUPE_SANITIZE})
 endif()
 
-# What is tested is optimised as it is shipped; the tests' own code need not be, and compiles a fifth quicker.
-set(drupe_test_options $<$<CONFIG:Release>:-O1>)
+# What works on pictures and points is optimised as far as it goes. What only passes things on (HTTP, jobs, reports, the
+# command line) and the tests' own code need not be, and compile a quarter quicker.
+set(drupe_light_options $<$<CONFIG:Release>:-O1>)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
