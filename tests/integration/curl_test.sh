@@ -7,10 +7,12 @@ preset=$(basename "$(dirname "${DRUPE_BIN:?names the directory of the programs}"
 sample=tests/data/plum-s
 work=$(mktemp -d -t drupe-curl.XXXXXX)
 
-free_port() { python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'; }
-DRUPE_CAPTURE_PORT=$(free_port)
-DRUPE_RECONSTRUCTION_PORT=$(free_port)
-DRUPE_ANALYSIS_PORT=$(free_port)
+# Held all three at once, so that they differ.
+read -r DRUPE_CAPTURE_PORT DRUPE_RECONSTRUCTION_PORT DRUPE_ANALYSIS_PORT <<<"$(python3 -c '
+import socket
+held = [socket.socket() for _ in range(3)]
+for port in held: port.bind(("127.0.0.1", 0))
+print(*(port.getsockname()[1] for port in held))')"
 export DRUPE_CAPTURE_PORT DRUPE_RECONSTRUCTION_PORT DRUPE_ANALYSIS_PORT
 reconstruction=http://127.0.0.1:$DRUPE_RECONSTRUCTION_PORT
 analysis=http://127.0.0.1:$DRUPE_ANALYSIS_PORT

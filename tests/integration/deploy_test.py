@@ -56,6 +56,13 @@ class DeployTest(unittest.TestCase):
                 urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=5)
         self.assertEqual(self.run_script("down").stdout, "Drupe was not running.\n")
 
+    def test_two_services_at_one_port(self):
+        self.ports["analysis"] = self.ports["reconstruction"]
+        up = self.up()
+        self.assertEqual(up.returncode, 1, up)
+        self.assertIn(f"have the same port {self.ports['analysis']}", up.stderr)
+        self.assertEqual(self.pids(), {})
+
     def test_a_port_that_is_taken(self):
         with socket.socket() as other:
             other.bind(("127.0.0.1", self.ports["reconstruction"]))
