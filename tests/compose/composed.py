@@ -5,6 +5,8 @@
 
 Only Python's standard library, docker and docker-compose.
 """
+import ipaddress
+import json
 import os
 import pathlib
 import shutil
@@ -83,7 +85,9 @@ def image_mb(name):
 
 def bridge_address():
     """This machine's address in the network of containers."""
-    return run("docker", "network", "inspect", "bridge", "-f", "{{(index .IPAM.Config 0).Gateway}}").strip()
+    config = json.loads(run("docker", "network", "inspect", "bridge", "-f", "{{json (index .IPAM.Config 0)}}"))
+    # An engine that has just made the network does not name its gateway yet: it is the first address.
+    return config.get("Gateway") or str(next(ipaddress.ip_network(config["Subnet"]).hosts()))
 
 
 class Composed:

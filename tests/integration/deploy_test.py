@@ -92,6 +92,12 @@ class ComposeSecretsTest(unittest.TestCase):
                     environment = file["services"][service]["environment"]
                     self.assertEqual(environment["DRUPE_WEBHOOK_SECRET"], "/run/secrets/webhook_secret")
 
+    def test_an_empty_name_is_refused(self):
+        made = pathlib.Path(tempfile.mkdtemp(prefix="drupe-secrets-"))
+        self.addCleanup(shutil.rmtree, made)
+        refused = subprocess.run([ROOT / "deploy/make-secrets", "--dir", made, ""], capture_output=True, text=True, check=False)
+        self.assertEqual((refused.returncode, refused.stderr), (2, "deploy/make-secrets: a name is empty\n"))
+
     def test_every_secret_is_given_declared_and_made(self):
         made = pathlib.Path(tempfile.mkdtemp(prefix="drupe-secrets-"))
         self.addCleanup(shutil.rmtree, made)
