@@ -388,6 +388,24 @@ TEST_F(JobStoreConformance, QueueCostsAJobLittle) {
   EXPECT_LE(wall_ms.front(), 20);
 }
 
+TEST_F(JobStoreConformance, AFullQueueIsClaimedInItsOrder) {
+  constexpr int kRounds = 10;
+  double seconds = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<std::string> submitted, claimed;
+    for (std::int64_t i = 0; i < kOptions.max_queued; ++i) {
+      submitted.push_back(Submit(Spec()).id);
+      clock().Advance(1);
+    }
+    const Stopwatch watch;
+    for (std::int64_t i = 0; i < kOptions.max_queued; ++i) claimed.push_back(Claim().id);
+    seconds += watch.WallSeconds();
+    EXPECT_EQ(claimed, submitted);
+    EXPECT_FALSE(TryClaim());
+  }
+  RecordProperty("claims_per_s", std::to_string(kRounds * kOptions.max_queued / seconds));
+}
+
 TEST_F(JobStoreConformance, RemembersTheRequestThatSubmitted) {
   const TraceScope trace("req_1");
   EXPECT_EQ(Get(Submit(Spec()).id).trace, "req_1");
