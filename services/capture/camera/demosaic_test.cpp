@@ -82,16 +82,17 @@ RgbImage Bilinear(const RawFrame& frame) {
   return image;
 }
 
+RgbImage Photograph() {
+  return DecodeRgb(ReadFile(std::string(DRUPE_TEST_DATA) + "/plum-s/images/00.jpg").value()).value();
+}
+
 TEST(DemosaicTest, RestoresAPhotographBetterThanBilinearly) {
-  const auto bytes = ReadFile(std::string(DRUPE_TEST_DATA) + "/plum-s/images/00.jpg");
-  ASSERT_TRUE(bytes.ok());
-  const auto photograph = DecodeRgb(*bytes);
-  ASSERT_TRUE(photograph.ok());
+  const RgbImage photograph = Photograph();
   for (const FrameLayout layout : kLayouts) {
-    const auto image = DevelopFrame(MosaicOf(*photograph, layout));
+    const auto image = DevelopFrame(MosaicOf(photograph, layout));
     ASSERT_TRUE(image.ok());
-    EXPECT_GT(Psnr(*image, *photograph), Psnr(Bilinear(MosaicOf(*photograph, layout)), *photograph) + 4);
-    EXPECT_GT(Psnr(*image, *photograph), 35);
+    EXPECT_GT(Psnr(*image, photograph), Psnr(Bilinear(MosaicOf(photograph, layout)), photograph) + 4);
+    EXPECT_GT(Psnr(*image, photograph), 35);
   }
 }
 
@@ -108,15 +109,12 @@ double LumaPsnr(const RgbImage& a, const RgbImage& b) {
 
 // Poses follow luma: what the mosaic adds to it must stay below the noise of a sample, which is two levels here.
 TEST(DemosaicTest, RestoresLumaToLessThanALevel) {
-  const auto bytes = ReadFile(std::string(DRUPE_TEST_DATA) + "/plum-s/images/00.jpg");
-  ASSERT_TRUE(bytes.ok());
-  const auto photograph = DecodeRgb(*bytes);
-  ASSERT_TRUE(photograph.ok());
+  const RgbImage photograph = Photograph();
   for (const FrameLayout layout : kLayouts) {
-    const auto image = DevelopFrame(MosaicOf(*photograph, layout));
+    const auto image = DevelopFrame(MosaicOf(photograph, layout));
     ASSERT_TRUE(image.ok());
-    EXPECT_GT(LumaPsnr(*image, *photograph), 20 * std::log10(255));
-    EXPECT_GT(Psnr(*image, *photograph), 44);  // colour is filtered less than luma, so that small spots keep theirs
+    EXPECT_GT(LumaPsnr(*image, photograph), 20 * std::log10(255));
+    EXPECT_GT(Psnr(*image, photograph), 44);  // colour is filtered less than luma, so that small spots keep theirs
   }
 }
 

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "base/clock.h"
+#include "defect_analysis/defects/segmentation.h"
 
 namespace drupe {
 
@@ -41,11 +42,7 @@ ColourClusters ClusterByNearest(const std::vector<Eigen::Vector3f>& colours,
   ColourClusters clusters{.colours = colours, .class_of = {}, .classes = static_cast<int>(centres.size())};
   clusters.class_of.reserve(colours.size());
   for (const Eigen::Vector3f& colour : colours) {
-    const auto nearest =
-        std::min_element(centres.begin(), centres.end(), [&](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-          return (colour - a).squaredNorm() < (colour - b).squaredNorm();
-        });
-    clusters.class_of.push_back(static_cast<std::uint8_t>(nearest - centres.begin()));
+    clusters.class_of.push_back(static_cast<std::uint8_t>(NearestCentre(colour, centres)));
   }
   return clusters;
 }

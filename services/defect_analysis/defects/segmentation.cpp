@@ -70,19 +70,6 @@ std::vector<Eigen::Vector3f> InitialCentres(const Histogram& histogram, int coun
   return centres;
 }
 
-int NearestCentre(const Eigen::Vector3f& colour, const std::vector<Eigen::Vector3f>& centres) {
-  int nearest = 0;
-  float best = std::numeric_limits<float>::max();
-  for (std::size_t k = 0; k < centres.size(); ++k) {
-    const float distance = (colour - centres[k]).squaredNorm();
-    if (distance < best) {
-      best = distance;
-      nearest = static_cast<int>(k);
-    }
-  }
-  return nearest;
-}
-
 // Lloyd's iterations over the bins; labels are left in them. An emptied class keeps its centre.
 void RunKMeans(Histogram& histogram, std::vector<Eigen::Vector3f>& centres, int max_iterations) {
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -146,6 +133,19 @@ void TestSignificance(Histogram& histogram, std::vector<Eigen::Vector3f>& centre
 }
 
 }  // namespace
+
+int NearestCentre(const Eigen::Vector3f& colour, const std::vector<Eigen::Vector3f>& centres) {
+  int nearest = 0;
+  float best = std::numeric_limits<float>::max();
+  for (std::size_t k = 0; k < centres.size(); ++k) {
+    const float distance = (colour - centres[k]).squaredNorm();
+    if (distance < best) {
+      best = distance;
+      nearest = static_cast<int>(k);
+    }
+  }
+  return nearest;
+}
 
 Segmentation SegmentColours(const std::vector<Eigen::Vector3f>& deviations, const std::vector<std::uint8_t>& used,
                             double sigma, const SegmentationOptions& options) {

@@ -16,6 +16,9 @@ struct Segmentation {
   double threshold = 0;                  ///< deviation from which a colour is significant
 };
 
+/// The index of the centre nearest to the colour, the first of equals; 0 when there are none.
+int NearestCentre(const Eigen::Vector3f& colour, const std::vector<Eigen::Vector3f>& centres);
+
 /// Adaptive segmentation (paper 4.2): K-means whose initial centres come from the maximum-minimum distance method, with
 /// K chosen by the Davies-Bouldin index (Davies and Bouldin 1979), followed by a test of significance that an intact
 /// fruit fails. Three things make it fast and steady: colours are counted in a histogram first, so that an iteration
