@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kThreadlike = 8;      // length over width from which half the depth tells a crack: no scar is so thin
 constexpr double kFullLightness = 60;  // L of the skin for which a threshold of lightness is meant as it stands
+constexpr double kSoot = 30;           // L below which nothing is cork or bare flesh, as a scar is
+constexpr double kNotPaler = 6;        // step in L from the skin up to which a defect looks no paler
 
 // How surely `value` is on its side of `threshold`: 0.5 on it, 0.95 a factor of e^(1/2) away.
 double Sureness(double value, double threshold) {
@@ -75,9 +77,13 @@ Classification Classify(const DefectShape& shape, const ClassOptions& options) {
   // On dark skin a dark crack makes a smaller step.
   const double darkest = options.crack_max_lightness * std::clamp(shape.skin_lightness / kFullLightness, 0.0, 1.0);
   const double least_depth = options.crack_min_depth_mm * (shape.elongation < kThreadlike ? 1 : 0.5);
-  const bool dark = shape.lightness_step < darkest || IsSunk(shape, least_depth);
+  // On skin as dark as itself it makes none, but it is as dark as ever.
+  const double lightness = shape.skin_lightness + shape.lightness_step;
+  const bool sooty = lightness < kSoot && shape.lightness_step < kNotPaler;
+  const bool dark = shape.lightness_step < darkest || sooty || IsSunk(shape, least_depth);
   const double width = Sureness(shape.width_mm, options.crack_max_width_mm);
-  const double darkness = SurenessOfDifference(shape.lightness_step, darkest, 10);
+  const double darkness = std::max(SurenessOfDifference(shape.lightness_step, darkest, 10),
+                                   sooty ? SurenessOfDifference(lightness, kSoot, 10) : 0);
   if (narrow && dark) return {DefectClass::kCrack, std::min({elongated, width, darkness})};
   const double not_crack = std::max(narrow ? 0.5 : width, dark ? 0.5 : darkness);
   return {DefectClass::kScar, std::min(elongated, not_crack)};

@@ -23,7 +23,8 @@ struct DefectShape {
 DefectShape ShapeOf(const Polygon& polygon, double area_mm2, double lightness_step);
 
 /// The rules. Rain spot: compact and small. Decay: compact and large, or half as large and sunk. Crack: elongated,
-/// narrow, and dark or sunk. Scar: elongated otherwise (paper 2.1). Sunk is what lies deeper than the option says by
+/// narrow, and dark or sunk. Scar: elongated otherwise (paper 2.1). Dark is what is darker than the skin by the
+/// option's step, or on skin that is as dark itself has an L below 30. Sunk is what lies deeper than the option says by
 /// three standard uncertainties. The confidence is 0.5 at a threshold, rising to 1 away from it.
 Classification Classify(const DefectShape& shape, const ClassOptions& options);
 

@@ -330,6 +330,22 @@ TEST(Classify, AThreadSunkAtAllIsACrackOfAnyColour) {
   EXPECT_EQ(Classify(thread, {}).defect_class, DefectClass::kScar);
 }
 
+// Black skin, on which the black of a crack makes no step; cork and bare flesh are pale on it.
+TEST(Classify, AThreadAsBlackAsTheSkinIsACrackAndAPaleOneIsAScar) {
+  DefectShape thread = ShapeOf(Ellipse(4, 0.25, 100), std::numbers::pi, 3.5);
+  thread.skin_lightness = 17.5;
+  thread.depth_mm = 0.019;
+  thread.depth_uncertainty_mm = 0.011;
+  EXPECT_EQ(Classify(thread, {}).defect_class, DefectClass::kCrack);
+  thread.lightness_step = 35;
+  EXPECT_EQ(Classify(thread, {}).defect_class, DefectClass::kScar);
+  thread.lightness_step = 10;  // a scar in deep shade
+  EXPECT_EQ(Classify(thread, {}).defect_class, DefectClass::kScar);
+  DefectShape broad = ShapeOf(Ellipse(4, 0.8, 100), 3.2 * std::numbers::pi, 3.5);
+  broad.skin_lightness = thread.skin_lightness;
+  EXPECT_EQ(Classify(broad, {}).defect_class, DefectClass::kScar);
+}
+
 TEST(Classify, ConfidenceFallsTowardsAThreshold) {
   const ClassOptions options;
   DefectShape shape{.area_mm2 = 3, .elongation = 1.1, .width_mm = 2, .lightness_step = -15};

@@ -44,6 +44,12 @@ double MeasuredShare(const Skin& skin, const Patch& patch) {
   return measured / patch.area_mm2;
 }
 
+// Two defects that touch, where their joint patch does not stand out: its colour and edge are those of neither.
+Outlines SeparateHidden(const TransitionField& field, const Candidates& candidates, const DefectOptions& options) {
+  if (candidates.faint) return {};
+  return SeparateLayers(field, candidates.threshold, options);
+}
+
 std::vector<Defect> MeasurePatch(const Skin& skin, const Candidates& candidates, std::size_t number,
                                  const DefectOptions& options, std::uint64_t seed) {
   std::vector<Defect> defects;
@@ -52,8 +58,9 @@ std::vector<Defect> MeasurePatch(const Skin& skin, const Candidates& candidates,
   auto field = BuildTransitionField(skin.bridged, skin.map, patch, static_cast<int>(number), candidates.patch_of);
   if (!field) return defects;
   const auto stands_out = candidates.faint ? StandsOutFaintly : StandsOut;
-  if (!stands_out(*field, candidates.threshold, options)) return defects;
-  const Outlines found = SeparateDefects(std::move(*field), candidates.threshold, options);
+  const Outlines found = stands_out(*field, candidates.threshold, options)
+                             ? SeparateDefects(std::move(*field), candidates.threshold, options)
+                             : SeparateHidden(*field, candidates, options);
   for (const Outline& outline : found.outlines) {
     auto defect = MeasureDefect(skin.measured, skin.map, outline, options, seed + number);
     if (defect) defects.push_back(std::move(*defect));

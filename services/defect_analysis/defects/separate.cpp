@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 #include "defect_analysis/defects/classify.h"
 #include "defect_analysis/defects/colour_layers.h"
@@ -23,6 +23,8 @@ constexpr double kContrastShare = 0.25;  // of the significance threshold, betwe
 constexpr double kRepairDoubt = 0.3;     // of the area that a repair takes or gives
 constexpr double kWidestGap = 1.2;       // mm between two pieces of one crack or scar
 constexpr double kAligned = 0.9;         // cosine between a long piece's axis and the way to the next piece
+constexpr double kAsWide = 0.6;          // width of the thinner of two pieces of one long defect, over the other's
+constexpr double kApartAlong = 0.5;      // of the shorter piece's length: from middle to middle of such pieces
 constexpr double kJunction = 0.15;       // mm of an outline beside its junction with another one that both bend
 constexpr double kInOther = 0.5;    // of a defect's area inside one of another colour that makes it a part of that one
 constexpr double kSmallPart = 0.3;  // of min_area: pieces of a layer that another one cuts
@@ -43,6 +45,17 @@ void DrawBridge(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double h
   }
 }
 
+// The nearest points of two outlines, one of each.
+std::pair<Eigen::Vector2d, Eigen::Vector2d> NearestPoints(const Polygon& a, const Polygon& b) {
+  std::pair<Eigen::Vector2d, Eigen::Vector2d> nearest = {a[0], b[0]};
+  for (const Eigen::Vector2d& p : a) {
+    for (const Eigen::Vector2d& q : b) {
+      if ((p - q).squaredNorm() < (nearest.first - nearest.second).squaredNorm()) nearest = {p, q};
+    }
+  }
+  return nearest;
+}
+
 // Draws a bridge of the defect's own level between two pieces of a long defect that a gap or a highlight cuts, when
 // they lie in one line. Whether any was drawn.
 bool BridgePieces(const std::vector<Polygon>& pieces, TransitionField& field) {
@@ -52,12 +65,7 @@ bool BridgePieces(const std::vector<Polygon>& pieces, TransitionField& field) {
     if (shape.elongation < kLongFrom) continue;
     for (std::size_t b = 0; b < pieces.size(); ++b) {
       if (a == b || SignedArea(pieces[b]) > SignedArea(pieces[a])) continue;
-      Eigen::Vector2d from = pieces[a][0], to = pieces[b][0];
-      for (const Eigen::Vector2d& p : pieces[a]) {
-        for (const Eigen::Vector2d& q : pieces[b]) {
-          if ((p - q).squaredNorm() < (from - to).squaredNorm()) std::tie(from, to) = std::pair(p, q);
-        }
-      }
+      const auto [from, to] = NearestPoints(pieces[a], pieces[b]);
       const Eigen::Vector2d way = Centroid(pieces[b]) - Centroid(pieces[a]);
       if ((from - to).norm() > kWidestGap || std::abs(way.normalized().dot(shape.axis)) < kAligned) continue;
       DrawBridge(from, to, 0.5 * std::min(shape.width_mm, ShapeOf(pieces[b], SignedArea(pieces[b]), 0).width_mm),
@@ -141,13 +149,33 @@ LayerOutlines Gather(const ColourLayer& layer, const std::vector<TracedOutline>&
   return traced;
 }
 
+// Whether two layers are the parts of one long defect whose hue changes on its way, as where it leaves a shadow: as
+// wide, one behind the other in one line.
+bool ContinueEachOther(const LayerOutlines& a, const LayerOutlines& b) {
+  if (!a.IsLong() || !b.IsLong()) return false;
+  const Polygon &first = a.polygons[0], &second = b.polygons[0];
+  const DefectShape one = ShapeOf(first, SignedArea(first), 0), other = ShapeOf(second, SignedArea(second), 0);
+  const Eigen::Vector2d way = Centroid(second) - Centroid(first);
+  if (way.norm() < kApartAlong * std::min(one.length_mm, other.length_mm)) return false;
+  if (std::min(one.width_mm, other.width_mm) < kAsWide * std::max(one.width_mm, other.width_mm)) return false;
+  const auto [from, to] = NearestPoints(first, second);
+  return (from - to).norm() <= kWidestGap && std::abs(way.normalized().dot(one.axis)) >= kAligned &&
+         std::abs(way.normalized().dot(other.axis)) >= kAligned;
+}
+
 // Both draw an outline of their own, and at least the smaller one has a form of its own, so that it is no lighter or
 // darker part of the other.
 bool AreTwoDefects(const LayerOutlines& a, const LayerOutlines& b) {
   if (a.polygons.empty() || b.polygons.empty()) return false;
-  if (a.OwnShare() < kOwnOutline || b.OwnShare() < kOwnOutline) return false;
+  if (a.OwnShare() < kOwnOutline || b.OwnShare() < kOwnOutline || ContinueEachOther(a, b)) return false;
   const LayerOutlines& smaller = a.area < b.area ? a : b;
   return smaller.IsRound() || smaller.IsLong() || (a.IsRound() && b.IsRound());
+}
+
+// Whether one of two touching defects would stand out alone. One that is nearly as light as gloss is told by its edge.
+bool LayerStandsOut(const ColourLayer& layer, double threshold, const DefectOptions& options) {
+  return ContrastBeyondLight(layer.field, options.segmentation.lightness_weight) >= threshold ||
+         StandsOut(layer.field, threshold, options);
 }
 
 // Whether a defect of one colour lies mostly within one of the other: then it is a lighter or darker part of it. A
@@ -188,32 +216,34 @@ void Add(const LayerOutlines& traced, const TransitionField* field, double min_a
 
 }  // namespace
 
-Outlines SeparateDefects(TransitionField field, double threshold, const DefectOptions& options) {
+Outlines SeparateLayers(const TransitionField& field, double threshold, const DefectOptions& options) {
   const double level = options.contour.level, min_area = options.cluster.min_area_mm2;
-  const double weight = options.segmentation.lightness_weight;
   Outlines result;
-  result.fields.reserve(2);  // the outlines point into it
-  std::vector<ColourLayer> layers = SeparateColours(field, level, min_area, kContrastShare * threshold, weight);
-  if (layers.size() == 2) {
-    std::vector<TracedOutline> pieces = TraceWhole(layers[1].field, level, min_area);
-    const LayerOutlines first = Gather(layers[0], TraceWhole(layers[0].field, level, min_area), min_area);
-    LayerOutlines second = Gather(layers[1], pieces, min_area);
-    if (pieces.size() > 1 && !AreTwoDefects(first, second)) {
-      pieces.resize(1);  // the largest; the others may be highlights on the first
-      second = Gather(layers[1], pieces, min_area);
-    }
-    const bool both_stand_out = std::all_of(layers.begin(), layers.end(), [&](const ColourLayer& layer) {
-      return ContrastBeyondLight(layer.field, weight) >= threshold;
-    });
-    if (both_stand_out && AreTwoDefects(first, second)) {
-      for (ColourLayer& layer : layers) result.fields.push_back(std::move(layer.field));
-      Add(first, &result.fields[0], min_area, result);
-      Add(second, &result.fields[1], min_area, result);
-      if (!LieWithinOneAnother(result.outlines)) return result;
-      result.outlines.clear();
-      result.fields.clear();
-    }
+  std::vector<ColourLayer> layers =
+      SeparateColours(field, level, min_area, kContrastShare * threshold, options.segmentation.lightness_weight);
+  if (layers.size() != 2) return result;
+  std::vector<TracedOutline> pieces = TraceWhole(layers[1].field, level, min_area);
+  const LayerOutlines first = Gather(layers[0], TraceWhole(layers[0].field, level, min_area), min_area);
+  LayerOutlines second = Gather(layers[1], pieces, min_area);
+  if (pieces.size() > 1 && !AreTwoDefects(first, second)) {
+    pieces.resize(1);  // the largest; the others may be highlights on the first
+    second = Gather(layers[1], pieces, min_area);
   }
+  if (!AreTwoDefects(first, second) || !LayerStandsOut(layers[0], threshold, options) ||
+      !LayerStandsOut(layers[1], threshold, options)) {
+    return result;
+  }
+  result.fields.reserve(layers.size());  // the outlines point into it
+  for (ColourLayer& layer : layers) result.fields.push_back(std::move(layer.field));
+  Add(first, &result.fields[0], min_area, result);
+  Add(second, &result.fields[1], min_area, result);
+  return LieWithinOneAnother(result.outlines) ? Outlines{} : std::move(result);
+}
+
+Outlines SeparateDefects(TransitionField field, double threshold, const DefectOptions& options) {
+  Outlines result = SeparateLayers(field, threshold, options);
+  if (!result.outlines.empty()) return result;
+  const double level = options.contour.level, min_area = options.cluster.min_area_mm2;
   result.fields.push_back(std::move(field));
   for (const TracedOutline& outline : TraceWhole(result.fields[0], level, min_area)) {
     if (SignedArea(outline.polygon) < min_area) continue;

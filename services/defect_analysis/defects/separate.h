@@ -21,9 +21,12 @@ struct Outlines {
   std::vector<Outline> outlines;        ///< largest first within a colour
 };
 
-/// The outlines of the defects in a patch: the half-way line of the field; where the patch holds two colours that each
-/// draw an outline of their own, the half-way lines of the two layers; and where an outline has a neck, its parts. What
-/// another defect covers of a roundish one is completed. `threshold`: Segmentation::threshold.
+/// The outlines of two defects that touch in a patch, of two colours which each draw an outline of their own and would
+/// each stand out alone; empty where the patch holds no such two. `threshold`: Segmentation::threshold.
+Outlines SeparateLayers(const TransitionField& field, double threshold, const DefectOptions& options);
+
+/// The outlines of the defects in a patch: the half-way line of the field; where SeparateLayers finds two, theirs; and
+/// where an outline has a neck, its parts. What another defect covers of a roundish one is completed.
 Outlines SeparateDefects(TransitionField field, double threshold, const DefectOptions& options);
 
 }  // namespace drupe

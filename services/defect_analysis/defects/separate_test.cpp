@@ -96,6 +96,48 @@ TEST(SeparateDefects, TellsAStripOfAnotherHueFromABleachedSpotItTouches) {
   EXPECT_NEAR(SignedArea(found.outlines[1].polygon), 4.8 * 0.6, 0.15);
 }
 
+// On brown skin: the pale one's colour is that of gloss but for 7 Lab units.
+TEST(SeparateDefects, TellsADarkSpotFromAPaleOneThatIsNearlyAsGloss) {
+  const FruitSurface surface = Ball();
+  const Eigen::Vector3f pale(0.77f, 1.71f, 4.28f), dark(-0.61f, -0.57f, -0.42f);
+  const auto upper = [](const Eigen::Vector2d& p) { return Disc(p, {0, -1.0}, 1.4); };
+  const auto lower = [](const Eigen::Vector2d& p) { return Disc(p, {0, 1.4}, 1.2); };
+  TransitionField field = FieldOf(
+      surface, [&](const Eigen::Vector2d& p) { return upper(p); },
+      [&](const Eigen::Vector2d& p) {
+        return Eigen::Vector3f(upper(p) * pale + (1 - upper(p)) * lower(p) * dark);  // the pale one lies on top
+      });
+  field.healthy_linear = Eigen::Vector3d(0.206, 0.110, 0.043);
+  field.defect_linear = Eigen::Vector3d(0.365, 0.298, 0.227);
+  for (int row = 0; row < field.height; ++row) {
+    for (int column = 0; column < field.width; ++column) {
+      if (lower(field.FlatOf(column, row)) > 0.3f)
+        field.inside[static_cast<std::size_t>(row) * field.width + column] = 1;
+    }
+  }
+  const Outlines found = SeparateDefects(field, 9, {});
+  ASSERT_EQ(found.outlines.size(), 2u);
+  EXPECT_NEAR(SignedArea(found.outlines[0].polygon), pi * 1.96, 0.1);
+  EXPECT_NEAR(SignedArea(found.outlines[1].polygon), pi * 1.44, 0.1);
+}
+
+// A crack that leaves a shadow, or goes over to skin of another hue, half-way.
+TEST(SeparateDefects, LeavesAStripWhoseHueChangesOnItsWayWhole) {
+  const FruitSurface surface = Ball();
+  const Eigen::Vector3f one(-0.76f, -0.80f, -0.60f), other(-0.55f, -0.68f, 0.10f);
+  const auto strip = [](const Eigen::Vector2d& p) {
+    return static_cast<float>(std::clamp(0.5 + (0.25 - std::abs(p.y())) / 0.2, 0.0, 1.0)) *
+           (std::abs(p.x()) < 2.4 ? 1.0f : 0.0f);
+  };
+  const auto turn = [](const Eigen::Vector2d& p) { return static_cast<float>(std::clamp(0.5 + p.x(), 0.0, 1.0)); };
+  const TransitionField field = FieldOf(surface, strip, [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector3f(strip(p) * ((1 - turn(p)) * one + turn(p) * other));
+  });
+  const Outlines found = SeparateDefects(field, 9, {});
+  ASSERT_EQ(found.outlines.size(), 1u);
+  EXPECT_NEAR(SignedArea(found.outlines[0].polygon), 4.8 * 0.5, 0.1);
+}
+
 TEST(SeparateDefects, LeavesASpotWithADarkMiddleWhole) {
   const FruitSurface surface = Ball();
   const auto change = [](const Eigen::Vector2d& p) {
