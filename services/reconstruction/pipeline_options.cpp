@@ -97,6 +97,7 @@ void Visit(Visitor& visit, SparseOptions& o) {
   visit("min_board_corners", o.min_board_corners);
   visit("min_board_views", o.min_board_views);
   visit("min_registered_share", o.min_registered_share);
+  visit("complete_tracks", o.complete_tracks);
   visit("parts", o.parts);
 }
 

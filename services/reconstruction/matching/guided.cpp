@@ -8,6 +8,8 @@
 #include <numeric>
 #include <optional>
 
+#include "scene/descriptor_distance.h"
+
 namespace drupe {
 namespace {
 

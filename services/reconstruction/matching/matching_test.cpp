@@ -12,6 +12,7 @@
 
 #include "reconstruction/matching/nearest.h"
 #include "reconstruction/matching/static_features.h"
+#include "scene/descriptor_distance.h"
 
 namespace drupe {
 namespace {

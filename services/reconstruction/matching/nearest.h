@@ -41,7 +41,4 @@ struct PackedDescriptors {
 std::vector<Nearest> FindNearest(const PackedDescriptors& from, std::span<const std::uint32_t> queries,
                                  const PackedDescriptors& to);
 
-/// Squared distance of two descriptors of Features::kDimension values.
-std::int32_t SquaredDistance(const std::uint8_t* a, const std::uint8_t* b);
-
 }  // namespace drupe

@@ -100,19 +100,6 @@ void Scan(const std::int8_t* queries, const PackedDescriptors& to, LaneBest& out
   }
 }
 
-/// Differences have 9 bits and their squares' sum 23, so 16 and 32 bits hold them.
-std::int32_t Distance(const std::uint8_t* a, const std::uint8_t* b) {
-  const hn::ScalableTag<std::int16_t> d16;
-  const hn::Rebind<std::uint8_t, decltype(d16)> d8;
-  const hn::RepartitionToWide<decltype(d16)> d32;
-  auto low = hn::Zero(d32), high = hn::Zero(d32);
-  for (int k = 0; k < Features::kDimension; k += static_cast<int>(hn::Lanes(d16))) {
-    const auto difference = hn::Sub(hn::PromoteTo(d16, hn::LoadU(d8, a + k)), hn::PromoteTo(d16, hn::LoadU(d8, b + k)));
-    low = hn::ReorderWidenMulAccumulate(d32, difference, difference, low, high);
-  }
-  return hn::GetLane(hn::SumOfLanes(d32, hn::Add(low, high)));
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace drupe
 HWY_AFTER_NAMESPACE();
@@ -121,14 +108,9 @@ HWY_AFTER_NAMESPACE();
 namespace drupe {
 
 HWY_EXPORT(Scan);
-HWY_EXPORT(Distance);
 
 void ScanBlocks(const std::int8_t* queries, const PackedDescriptors& to, LaneBest& out) {
   HWY_DYNAMIC_DISPATCH(Scan)(queries, to, out);
-}
-
-std::int32_t SquaredDistance(const std::uint8_t* a, const std::uint8_t* b) {
-  return HWY_DYNAMIC_DISPATCH(Distance)(a, b);
 }
 
 }  // namespace drupe

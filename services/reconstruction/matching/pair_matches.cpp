@@ -6,6 +6,7 @@
 #include "reconstruction/matching/descriptor_matching.h"
 #include "reconstruction/matching/guided.h"
 #include "reconstruction/matching/homography.h"
+#include "scene/descriptor_distance.h"
 
 namespace drupe {
 namespace {

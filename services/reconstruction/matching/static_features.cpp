@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "reconstruction/matching/keypoint_grid.h"
-#include "reconstruction/matching/nearest.h"
+#include "scene/descriptor_distance.h"
+#include "scene/keypoint_grid.h"
 
 namespace drupe {
 namespace {

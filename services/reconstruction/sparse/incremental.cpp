@@ -8,6 +8,7 @@
 
 #include "reconstruction/sparse/pose_estimation.h"
 #include "reconstruction/sparse/stray_tracks.h"
+#include "reconstruction/sparse/track_completion.h"
 #include "reconstruction/sparse/track_triangulation.h"
 
 namespace drupe {
@@ -18,8 +19,9 @@ constexpr double kGlobalGrowth = 1.25;  // everything is adjusted whenever the m
 constexpr double kRetryGrowth = 1.2;    // a failed view is tried again when it sees this many times the tracks
 constexpr double kGateSigmas = 6.0;     // observations farther off than this many sigmas are wrong
 constexpr double kMinGatePx = 1.0;
-constexpr double kLossSigmas = 2.385;  // scale of Cauchy's loss that keeps 95 % of the efficiency (Zhang 1997)
-constexpr double kMinNoisePx = 0.02;   // a noise below is not believed: it would switch the other kind off
+constexpr double kCompletionSigmas = 3.0;  // what nobody has matched must lie closer
+constexpr double kLossSigmas = 2.385;      // scale of Cauchy's loss that keeps 95 % of the efficiency (Zhang 1997)
+constexpr double kMinNoisePx = 0.02;       // a noise below is not believed: it would switch the other kind off
 
 TriangulationOptions TriangulationFrom(const SparseOptions& options) {
   TriangulationOptions triangulation;
@@ -212,14 +214,15 @@ Status CloseSeams(const SparseOptions& options, const RunContext& context, SfmSt
   return Status::Ok();
 }
 
-Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrinsics, const RunContext& context,
+Result<NoiseLevels> FinishModel(const SparseInput& input, const SparseOptions& options, const RunContext& context,
                                 SfmState& state) {
   TriangulationOptions triangulation = TriangulationFrom(options);
   AdjustmentOptions adjustment = LossesFrom(options);
-  adjustment.refine_intrinsics = refine_intrinsics;
+  adjustment.refine_intrinsics = input.refine_intrinsics;
   adjustment.function_tolerance = 1e-4;
   NoiseLevels noise;
-  const int rounds = refine_intrinsics ? 4 : 2;  // a better camera brings back observations, which make a better camera
+  const int rounds =
+      input.refine_intrinsics ? 4 : 2;  // a better camera brings back observations, which make a better camera
   for (int round = 0; round < rounds; ++round) {
     const bool is_last = round + 1 == rounds;
     if (is_last) adjustment.function_tolerance = 1e-7;
@@ -234,6 +237,11 @@ Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrin
     DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
     if (DropWeakViews(options, state)) DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
     DropStrayTracks(state);
+    if (options.complete_tracks && round + 2 == rounds) {
+      const double max_error_px = kCompletionSigmas * adjustment.feature_sigma_px;
+      DRUPE_RETURN_IF_ERROR(
+          CompleteTracks(input.features, input.matches->is_static, max_error_px, context, state).status());
+    }
   }
   return noise;
 }

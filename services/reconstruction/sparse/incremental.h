@@ -26,8 +26,9 @@ Status SettleModel(const SparseOptions& options, const RunContext& context, SfmS
 Status CloseSeams(const SparseOptions& options, const RunContext& context, SfmState& state);
 
 /// The adjustments and clean-up after the last view: noise is estimated and weights follow from it, wrong observations
-/// and views with too little left go. Returns the noise that the weights rest on.
-Result<NoiseLevels> FinishModel(const SparseOptions& options, bool refine_intrinsics, const RunContext& context,
+/// and views with too little left go, tracks are completed. Of the input the features, what is known of them and
+/// whether intrinsics are refined are read. Returns the noise that the weights rest on.
+Result<NoiseLevels> FinishModel(const SparseInput& input, const SparseOptions& options, const RunContext& context,
                                 SfmState& state);
 
 }  // namespace drupe

@@ -15,13 +15,6 @@ ImageMeasurement Measure(const PinholeCamera& camera, const Eigen::Vector2d& pix
   return measured;
 }
 
-/// A blob's centre is found to a share of its size (Zeisl et al. 2009 find it about proportional); small ones hit the
-/// pixel's own limit.
-float ExpectedSigmaPx(const Keypoint& keypoint) {
-  constexpr float kSmallestScalePx = 1.6f;
-  return std::max(1.0f, keypoint.scale_px / kSmallestScalePx);
-}
-
 void AddTracks(const SparseInput& input, SfmState& state) {
   std::size_t total = 0;
   for (const auto& refs : input.tracks->tracks) total += refs.size();
@@ -31,13 +24,8 @@ void AddTracks(const SparseInput& input, SfmState& state) {
     SfmTrack track;
     track.begin = state.observations.size();
     for (const FeatureRef& ref : refs) {
-      const Keypoint& keypoint = input.features[ref.view].keypoints[ref.keypoint];
-      SfmObservation observation;
-      observation.view = ref.view;
+      SfmObservation observation = MakeObservation(state.camera, ref, input.features[ref.view].keypoints[ref.keypoint]);
       observation.track = static_cast<std::int32_t>(state.tracks.size());
-      observation.keypoint = ref.keypoint;
-      observation.sigma_px = ExpectedSigmaPx(keypoint);
-      observation.measured = Measure(state.camera, {keypoint.x, keypoint.y});
       state.view_observations[ref.view].push_back(state.observations.size());
       state.observations.push_back(observation);
     }
@@ -83,6 +71,22 @@ SfmState MakeSfmState(const SparseInput& input) {
     }
   }
   return state;
+}
+
+float ExpectedSigmaPx(const Keypoint& keypoint) {
+  // A blob's centre is found to a share of its size (Zeisl et al. 2009 find it about proportional); small ones hit the
+  // pixel's own limit.
+  constexpr float kSmallestScalePx = 1.6f;
+  return std::max(1.0f, keypoint.scale_px / kSmallestScalePx);
+}
+
+SfmObservation MakeObservation(const PinholeCamera& camera, const FeatureRef& feature, const Keypoint& keypoint) {
+  SfmObservation observation;
+  observation.view = feature.view;
+  observation.keypoint = feature.keypoint;
+  observation.sigma_px = ExpectedSigmaPx(keypoint);
+  observation.measured = Measure(camera, {keypoint.x, keypoint.y});
+  return observation;
 }
 
 void ShareByOrder(int count, SfmState& state) {

@@ -108,7 +108,7 @@ Result<SparseModel> RunSparse(const SparseInput& input, const SparseOptions& opt
                             ? PlaceByClusters(input, board_poses, options, context, state)
                             : PlaceViews(*input.matches, board_poses, state.ViewCount(), options, context, state));
   DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));
-  DRUPE_ASSIGN_OR_RETURN(const NoiseLevels noise, FinishModel(options, input.refine_intrinsics, context, state));
+  DRUPE_ASSIGN_OR_RETURN(const NoiseLevels noise, FinishModel(input, options, context, state));
   DRUPE_RETURN_IF_ERROR(CheckRegistered(state, options));
   if (!state.is_metric) NormaliseFrame(state);
   DRUPE_ASSIGN_OR_RETURN(const ModelUncertainty uncertainty,

@@ -20,7 +20,7 @@ namespace drupe {
 /// What structure from motion starts from. Everything is borrowed for the duration of RunSparse.
 struct SparseInput {
   std::span<const std::string> image_names;
-  std::span<const Features> features;      ///< one an image; only keypoints are read, descriptors may have been freed
+  std::span<const Features> features;      ///< one an image; descriptors are read by options.complete_tracks alone
   const MatchGraph* matches = nullptr;     ///< verified pairs; chooses where to begin
   const TrackList* tracks = nullptr;       ///< one keypoint a view, over all pairs
   const ViewClusters* clusters = nullptr;  ///< for SparseMethod::kClusters; may be null
@@ -34,9 +34,10 @@ struct SparseInput {
 
 /// Structure from motion (paper 3.1.2): every cluster incrementally on its own (initial pair, camera poses,
 /// triangulation, adjustment, repeated until no view can be added), the models fused along the maximum spanning tree,
-/// then tracks triangulated again and all adjusted at once; or, with one cluster or SparseMethod::kWhole, one model
-/// grown from one pair. With a board seen in at least `min_board_views` views the result is in the board's frame, mm;
-/// otherwise in an arbitrary frame. Views that cannot be placed stay in the model with the reason.
+/// then tracks triangulated again and all adjusted at once, tracks completed by what matching missed, and all adjusted;
+/// or, with one cluster or SparseMethod::kWhole, one model grown from one pair. With a board seen in at least
+/// `min_board_views` views the result is in the board's frame, mm; otherwise in an arbitrary frame. Views that cannot
+/// be placed stay in the model with the reason.
 ///
 /// Reports stage "sparse". Deterministic for equal input, options and seed, whatever the thread count. Errors: 400 for
 /// options out of range or sizes that do not fit together, 422 `no_initial_pair` and `too_few_registered` (less than

@@ -34,6 +34,9 @@ struct SparseOptions {
   int min_board_views = 3;
   /// Fewer registered views than this share is an error.
   double min_registered_share = 0.6;
+  /// Before the last adjustment tracks take in the features that lie where their points project and look like them, and
+  /// tracks of one point become one. Needs the features' descriptors.
+  bool complete_tracks = true;
   /// Every cluster's model is a part that another machine may build.
   bool parts = false;
 

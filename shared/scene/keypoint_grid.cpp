@@ -1,4 +1,4 @@
-#include "reconstruction/matching/keypoint_grid.h"
+#include "scene/keypoint_grid.h"
 
 #include <algorithm>
 #include <cmath>
