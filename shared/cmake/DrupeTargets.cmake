@@ -3,6 +3,7 @@
 #   drupe_library(drupe_store SOURCES a.cpp b.cpp PUBLIC drupe_base PRIVATE OpenSSL::Crypto)
 #   drupe_library(drupe_dense ALONE blur.cpp SOURCES ...)      ALONE: those that read themselves once per instruction set
 #   drupe_library(drupe_http LIGHT SOURCES ...)                LIGHT: no work on pictures and points, so optimised less
+#   drupe_library(drupe_sparse DEAR SOURCES ...)               DEAR: takes long to compile, so fewer sources at a time
 #   drupe_program(drupe-capture SOURCES main.cpp PRIVATE drupe_http)
 #   drupe_test(drupe_store_test SOURCES a_test.cpp PRIVATE drupe_store)
 #   drupe_test(drupe_camera_test SOURCES ... LOCK cameras)    tests with the same lock never run at the same time
@@ -10,25 +11,30 @@
 #
 # Includes are written from the top of shared/ or services/: #include "base/status.h", "reconstruction/dense/patch.h".
 
-# Sources of a target are compiled six at a time, as one: half of a cold build went into reading the same headers and
-# compiling the same templates again and again. Names in unnamed namespaces must therefore differ within a target. The
-# preset dev compiles each alone, and so finds a forgotten #include.
-option(DRUPE_UNITY "Compile the sources of a target six at a time" ON)
+# Sources of a target are compiled twelve at a time, as one: most of a cold build went into reading the same headers and
+# filling in the same templates again and again. Where twelve would take half a minute it is six (DEAR), so that a changed
+# source is soon built. Names in unnamed namespaces must therefore differ within a target. The preset dev compiles each
+# alone, and so finds a forgotten #include.
+option(DRUPE_UNITY "Compile the sources of a target twelve at a time" ON)
 
-function(drupe_join_sources name)
-  set_target_properties(${name} PROPERTIES UNITY_BUILD ${DRUPE_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+function(drupe_join_sources name batch)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${DRUPE_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 function(drupe_library name)
-  cmake_parse_arguments(ARG "LIGHT" "" "ALONE;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "LIGHT;DEAR" "" "ALONE;SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_ALONE} ${ARG_SOURCES})
   if(ARG_LIGHT)
     target_compile_options(${name} PRIVATE ${drupe_light_options})
   endif()
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  drupe_join_sources(${name} ${ARG_ALONE})
+  set(batch 12)
+  if(ARG_DEAR)
+    set(batch 6)
+  endif()
+  drupe_join_sources(${name} ${batch} ${ARG_ALONE})
 endfunction()
 
 function(drupe_program name)
@@ -38,7 +44,7 @@ function(drupe_program name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
-  drupe_join_sources(${name})
+  drupe_join_sources(${name} 12)
 endfunction()
 
 function(drupe_test name)
@@ -54,7 +60,7 @@ function(drupe_test name)
   target_compile_options(${name} PRIVATE ${drupe_light_options})
   target_compile_definitions(${name} PRIVATE DRUPE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data")
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} GTest::gtest_main)
-  drupe_join_sources(${name})
+  drupe_join_sources(${name} 12)
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES ${properties})

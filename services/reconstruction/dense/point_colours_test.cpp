@@ -76,7 +76,7 @@ struct LitBall {
   PointCloud cloud;
 
   LitBall() {
-    constexpr double kRadius = 8, kGrey = 200;
+    constexpr double kBallRadius = 8, kGrey = 200;
     options.min_height_mm = -100;  // there is no board
     scene.options = &options;
     scene.typical_depth = 50;
@@ -90,10 +90,10 @@ struct LitBall {
       for (int x = 0; x < 100; ++x) {
         const Eigen::Vector3d ray = view.camera.Ray(x, y).normalized();
         const double along = -view.centre.dot(ray);
-        const double chord2 = kRadius * kRadius - (view.centre.squaredNorm() - along * along);
+        const double chord2 = kBallRadius * kRadius - (view.centre.squaredNorm() - along * along);
         const Eigen::Vector3d hit = view.centre + ray * (along - std::sqrt(std::max(chord2, 0.0)));
         for (int c = 0; c < 3; ++c) view.rgb.At(x, y, c) = static_cast<std::uint8_t>(kGrey * Lit(hit.normalized()));
-        if (chord2 < 0.3 * kRadius * kRadius) continue;  // the outline, where pixels mix
+        if (chord2 < 0.3 * kBallRadius * kRadius) continue;  // the outline, where pixels mix
         cloud.positions.push_back(hit.cast<float>());
         cloud.normals.push_back(hit.normalized().cast<float>());
         cloud.view_counts.push_back(3);
