@@ -294,6 +294,30 @@ TEST(StandsOut, AnEvenSpotOfGlossDoesNotAndAPaleOneThatIsNotQuiteWhiteDoes) {
   EXPECT_FALSE(StandsOut(field, 9, {}));
 }
 
+// Yellow skin that bleaching made brighter in its own hue and white at once, just as gloss does: no colour tells them
+// apart, but gloss has no border as sharp as a stain's.
+TEST(StandsOut, ASpotInTheColourOfGlossDoesByABorderTooSharpForGloss) {
+  const FruitSurface surface = Sphere(18);
+  TransitionField field = DiscField(surface, false, false);
+  field.noise = 0.05;
+  field.blur = 0.06;
+  field.healthy_linear = {0.233, 0.195, 0.043};
+  field.defect_linear = {0.391, 0.354, 0.194};
+  const auto stands_out = [&](double edge_mm) {
+    for (int row = 0; row < field.height; ++row) {
+      for (int column = 0; column < field.width; ++column) {
+        const double level = 0.5 + (1 - field.FlatOf(column, row).norm()) / edge_mm;
+        field.level[static_cast<std::size_t>(row) * field.width + column] =
+            static_cast<float>(std::clamp(level, 0.0, 1.0));
+      }
+    }
+    field.full_level = field.level;
+    return StandsOut(field, 9, {});
+  };
+  EXPECT_TRUE(stands_out(0.25));
+  EXPECT_FALSE(stands_out(0.45));
+}
+
 TEST(StandsOut, NotFromSkinThatIsAsUneven) {
   const FruitSurface surface = Sphere(18);
   TransitionField field = FieldOfColours(surface, {0.25, 0.30, 0.05}, {0.15, 0.14, 0.05});

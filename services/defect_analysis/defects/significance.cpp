@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "defect_analysis/defects/stain_edge.h"
 #include "image/colour.h"
@@ -13,6 +14,9 @@ constexpr double kGrey = 0.1;       // of the mean: channels that differ less do
 constexpr double kMostLit = 1.5;    // times the skin beside a spot: within it, light changes more at a shadow only
 constexpr double kOwnLight = 0.08;  // by which gloss leaves the gain of the skin's own light at 1
 constexpr double kTint = 0.5;  // of significance_delta_e: lamps are not so coloured that their gloss differs by more
+// mm over which the level would fall from 1 to 0: what borders gloss is the lamp's edge, blurred by the skin's own
+// roughness, some hundredths of a radian times half the fruit's radius at least.
+constexpr double kSharpestGloss = 0.2;
 
 /// colour = gain * skin + gloss, by least squares over the channels.
 struct LightFit {
@@ -55,6 +59,15 @@ double WeightedDifference(const Eigen::Vector3d& colour, const Eigen::Vector3d& 
   return difference.norm();
 }
 
+// Whether a round, even spot has a border that gloss of any colour cannot have.
+bool IsTooSharpForGloss(const TransitionField& field, double threshold, const DefectOptions& options) {
+  const double level = options.contour.level, min_area = options.cluster.min_area_mm2;
+  if (Contrast(field, options.segmentation.lightness_weight) < threshold) return false;
+  if (!HasStainsEdge(field, level, min_area) || !HasEvenEdge(field, level, min_area)) return false;
+  const std::optional<double> width = EdgeWidth(field, level, min_area);
+  return width && *width < kSharpestGloss;
+}
+
 }  // namespace
 
 double ContrastBeyondLight(const TransitionField& field, double lightness_weight) {
@@ -76,7 +89,7 @@ bool StandsOut(const TransitionField& field, double threshold, const DefectOptio
       HasEvenEdge(field, options.contour.level, options.cluster.min_area_mm2)) {
     return true;
   }
-  return StandsOutFaintly(field, threshold, options);
+  return StandsOutFaintly(field, threshold, options) || IsTooSharpForGloss(field, threshold, options);
 }
 
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options) {

@@ -16,7 +16,8 @@ double Contrast(const TransitionField& field, double lightness_weight);
 
 /// Whether a patch differs from the skin right beside it, and not only from the smooth model of the whole fruit's skin,
 /// which is uncertain near the rim of what is seen: the local noise of the skin's colour leaves it local_sigma standard
-/// deviations, and its contrast beyond light reaches `threshold`, or it stands out as a faint one does.
+/// deviations, and its contrast beyond light reaches `threshold`, or it stands out as a faint one does, or it is a
+/// round, even spot with a border sharper than gloss can have.
 bool StandsOut(const TransitionField& field, double threshold, const DefectOptions& options);
 
 /// The same for a patch whose contrast, light included, reaches `threshold`: it must have a stain's edge, and where

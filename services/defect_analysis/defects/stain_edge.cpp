@@ -48,6 +48,17 @@ SectorLevels LevelsBeside(const TransitionField& field, const Polygon& outline) 
   return levels;
 }
 
+// How steeply the level falls along the largest outline, per mm, ascending; empty where there is none of `min_area`.
+std::vector<double> SlopesAlong(const TransitionField& field, double level, double min_area) {
+  std::vector<double> slopes;
+  if (field.level.empty()) return slopes;
+  const std::vector<Polygon> outlines = TraceBoundaries(field, level, 0.1 * min_area);
+  if (outlines.empty() || SignedArea(outlines[0]) < min_area) return slopes;
+  for (const Eigen::Vector2d& p : outlines[0]) slopes.push_back(field.SlopeAt(p));
+  std::sort(slopes.begin(), slopes.end());
+  return slopes;
+}
+
 }  // namespace
 
 bool HasStainsEdge(const TransitionField& field, double level, double min_area) {
@@ -71,13 +82,15 @@ bool HasStainsEdge(const TransitionField& field, double level, double min_area) 
 }
 
 bool HasEvenEdge(const TransitionField& field, double level, double min_area) {
-  if (field.level.empty()) return false;
-  const std::vector<Polygon> outlines = TraceBoundaries(field, level, 0.1 * min_area);
-  if (outlines.empty() || SignedArea(outlines[0]) < min_area) return false;
-  std::vector<double> slopes;
-  for (const Eigen::Vector2d& p : outlines[0]) slopes.push_back(field.SlopeAt(p));
-  std::sort(slopes.begin(), slopes.end());
-  return slopes[slopes.size() / 20] >= kLeastSlopeShare * slopes[slopes.size() / 2];
+  const std::vector<double> slopes = SlopesAlong(field, level, min_area);
+  return !slopes.empty() && slopes[slopes.size() / 20] >= kLeastSlopeShare * slopes[slopes.size() / 2];
+}
+
+std::optional<double> EdgeWidth(const TransitionField& field, double level, double min_area) {
+  const std::vector<double> slopes = SlopesAlong(field, level, min_area);
+  if (slopes.empty()) return std::nullopt;
+  const double of_kernel = std::sqrt(2 * std::numbers::pi) * field.blur;
+  return std::max(0.0, 1 / std::max(1e-3, slopes[slopes.size() / 2]) - of_kernel);
 }
 
 }  // namespace drupe

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "defect_analysis/defects/transition_field.h"
 
 namespace drupe {
@@ -14,5 +16,9 @@ bool HasStainsEdge(const TransitionField& field, double level, double min_area);
 /// Whether the field falls about as steeply all along the outline at `level`, as the edge of pigment does, which the
 /// lens alone has blurred: nowhere less than half as steeply as at most places.
 bool HasEvenEdge(const TransitionField& field, double level, double min_area);
+
+/// Over how many mm the field would fall from 1 to 0 at its slope at `level`, the median along the largest outline,
+/// without what the resampling's kernel adds; nothing where there is no outline of `min_area` mm2.
+std::optional<double> EdgeWidth(const TransitionField& field, double level, double min_area);
 
 }  // namespace drupe
