@@ -20,7 +20,10 @@ struct AdjustmentOptions {
   double board_loss_px = 0.5;
   int max_iterations = 20;
   double function_tolerance = 1e-6;  ///< relative decrease of the cost at which to stop
-  bool refine_intrinsics = false;    ///< focal length, k1, k2; state.camera is replaced; always monolithic
+  /// Stop too when a step moves the views' parameters by less than this in the root mean square, in units of their own
+  /// standard deviations: single tracks between contradicting observations may go on for long. Of kDistributed alone.
+  double pose_tolerance_sigmas = 0;
+  bool refine_intrinsics = false;  ///< focal length, k1, k2; state.camera is replaced; always monolithic
   AdjustmentMethod method = AdjustmentMethod::kDistributed;
 };
 

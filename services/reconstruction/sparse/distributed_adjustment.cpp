@@ -61,6 +61,7 @@ class DistributedAdjustment {
       Accept();
       damping = std::max(kLeastDamping, damping / 5);
       if (before - after <= options_.function_tolerance * before) break;
+      if (pose_step_sigmas_ < options_.pose_tolerance_sigmas) break;
     }
     return Status::Ok();
   }
@@ -86,7 +87,19 @@ class DistributedAdjustment {
     const std::optional<Eigen::VectorXd> step = SolveReduced(normal, -gradient);
     if (!step) return false;
     shared_step_ = *step;
+    pose_step_sigmas_ = PoseStepSigmas(gradient);
     return shared_step_.allFinite();
+  }
+
+  /// Root mean square of the step of all views' parameters, in units of their standard deviations.
+  double PoseStepSigmas(const Eigen::VectorXd& shared_gradient) const {
+    double squared = -shared_gradient.dot(shared_step_);
+    Eigen::Index parameters = shared_step_.size();
+    for (std::size_t s = 0; s < shares_.size(); ++s) {
+      squared += shares_[s].inner_decrement();
+      parameters += 6 * layout_.shares[s].inner_count;
+    }
+    return std::sqrt(std::max(0.0, squared) / static_cast<double>(std::max<Eigen::Index>(1, parameters)));
   }
 
   /// Poses and positions after the step, and their cost.
@@ -129,6 +142,7 @@ class DistributedAdjustment {
   std::vector<double> costs_;               ///< per share, after the step
   double ink_spread_mm_ = 0;
   double cost_ = 0;
+  double pose_step_sigmas_ = 0;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "reconstruction/sparse/monolithic_adjustment.h"
 #include "reconstruction/sparse/synthetic_scene.h"
 #include "reconstruction/sparse/track_triangulation.h"
+#include "reconstruction/sparse/uncertainty.h"
 
 namespace drupe {
 namespace {
@@ -60,6 +61,33 @@ TEST(DistributedAdjustmentTest, ReachesItWithManyViews) {
   ASSERT_TRUE(AdjustMonolithic(monolithic, all, Thorough(), RunContext{}).ok());
   const double expected = AdjustmentCost(monolithic, Thorough());
   EXPECT_NEAR(AdjustmentCost(distributed, Thorough()), expected, 1e-3 * expected);
+}
+
+TEST(DistributedAdjustmentTest, EndsWhenThePosesHaveStoppedMoving) {
+  SyntheticScene::Options scene;
+  scene.wrong_share = 0.1;
+  const SfmState start = Disturbed(SyntheticScene(scene), true);
+  const auto adjust = [&start](double tolerance, SfmState& state, int& looks) {
+    state = start;
+    ShareByCluster(kArcs, state);
+    AdjustmentOptions options = Thorough();
+    options.pose_tolerance_sigmas = tolerance;
+    RunContext context;
+    context.threads = 1;
+    context.cancelled = [&looks] { return ++looks < 0; };  // asked a fixed number of times an iteration
+    return AdjustDistributed(state, AdjustmentScope::Everything(state), options, context);
+  };
+  SfmState thorough, early;
+  int looks = 0, early_looks = 0;
+  ASSERT_TRUE(adjust(0, thorough, looks).ok());
+  ASSERT_TRUE(adjust(0.003, early, early_looks).ok());
+  EXPECT_LT(early_looks, 0.7 * looks);
+  const auto uncertainty = EstimateUncertainty(thorough, EstimateNoise(thorough), Thorough(), RunContext{});
+  ASSERT_TRUE(uncertainty.ok());
+  for (int v = 0; v < start.ViewCount(); ++v) {
+    const double moved = (early.poses[v]->Centre() - thorough.poses[v]->Centre()).norm();
+    EXPECT_LT(moved, 0.1 * uncertainty->centre_sigma[v]) << v;
+  }
 }
 
 TEST(DistributedAdjustmentTest, SharesKeepTheirInnerViewsToThemselves) {

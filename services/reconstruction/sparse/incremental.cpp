@@ -21,7 +21,9 @@ constexpr double kGateSigmas = 6.0;     // observations farther off than this ma
 constexpr double kMinGatePx = 1.0;
 constexpr double kCompletionSigmas = 3.0;  // what nobody has matched must lie closer
 constexpr double kLossSigmas = 2.385;      // scale of Cauchy's loss that keeps 95 % of the efficiency (Zhang 1997)
-constexpr double kMinNoisePx = 0.02;       // a noise below is not believed: it would switch the other kind off
+constexpr double kRoughSigmas = 0.03;  // of a step of the poses, after which an adjustment that others follow ends, ...
+constexpr double kFinalSigmas = 0.003;  // ... and the last one
+constexpr double kMinNoisePx = 0.02;    // a noise below is not believed: it would switch the other kind off
 
 TriangulationOptions TriangulationFrom(const SparseOptions& options) {
   TriangulationOptions triangulation;
@@ -151,6 +153,7 @@ class Growth {
     AdjustmentOptions adjustment = LossesFrom(options_);
     adjustment.max_iterations = 10;
     adjustment.function_tolerance = 1e-4;
+    adjustment.pose_tolerance_sigmas = kRoughSigmas;
     const bool is_global = state_.RegisteredCount() >= kGlobalGrowth * last_global_count_;
     if (is_global) last_global_count_ = state_.RegisteredCount();
     const AdjustmentScope scope = is_global ? AdjustmentScope::Everything(state_) : Neighbourhood(state_, view);
@@ -200,6 +203,7 @@ Status SettleModel(const SparseOptions& options, const RunContext& context, SfmS
   AdjustmentOptions adjustment = LossesFrom(options);
   adjustment.max_iterations = 10;
   adjustment.function_tolerance = 1e-3;
+  adjustment.pose_tolerance_sigmas = kRoughSigmas;
   DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
   return UpdateTracks(state, TriangulationFrom(options), context);
 }
@@ -226,6 +230,7 @@ Result<NoiseLevels> FinishModel(const SparseInput& input, const SparseOptions& o
   for (int round = 0; round < rounds; ++round) {
     const bool is_last = round + 1 == rounds;
     if (is_last) adjustment.function_tolerance = 1e-7;
+    adjustment.pose_tolerance_sigmas = is_last ? kFinalSigmas : kRoughSigmas;
     DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
     context.Report("sparse", 0.7 + 0.3 * (round + 1) / rounds);
     noise = EstimateNoise(state);

@@ -142,6 +142,7 @@ bool ShareElimination::EliminateInner(double damping) {
   SolveFactored(own, inner_by_shared_);
   inner_gradient_ = gradient_.head(inner);
   SolveFactored(own, inner_gradient_);
+  inner_decrement_ = gradient_.head(inner).dot(inner_gradient_);
   normal_.bottomRightCorner(shared, shared) -= coupling * inner_by_shared_;
   gradient_.tail(shared) -= coupling * inner_gradient_;
   return true;

@@ -39,6 +39,9 @@ class ShareElimination {
   PoseStep StepOf(int k) const { return step_.segment<6>(6 * k); }
   /// Cost of the share at the state, after Linearise.
   double cost() const { return cost_; }
+  /// Squared Newton decrement of the inner views' equations, after EliminateInner: together with that of the shared
+  /// ones, the squared step of all views in units of their standard deviations.
+  double inner_decrement() const { return inner_decrement_; }
 
  private:
   using Matrix63 = Eigen::Matrix<double, 6, 3>;
@@ -76,6 +79,7 @@ class ShareElimination {
   Eigen::MatrixXd inner_by_shared_;  ///< inverse of the inner block times its coupling
   Eigen::VectorXd inner_gradient_;   ///< inverse of the inner block times its gradient
   double cost_ = 0;
+  double inner_decrement_ = 0;
 };
 
 }  // namespace drupe
