@@ -16,16 +16,28 @@ constexpr float kLeastNoise = 4;         // the same in standard deviations of a
 constexpr float kPure = 0.75f;           // share from which a node tells a corner's colour
 constexpr double kStrongestArea = 0.12;  // mm2 of the strongest nodes that give the first corner
 constexpr double kStrongestShare = 0.03;
+constexpr float kOnLine = 1e-3f;    // of the first colour: how far off its line a fainter one of it lies
 constexpr float kOpposite = -0.3f;  // cosine between two changes
 constexpr int kRefinements = 3;
-constexpr double kThinStrip = 0.16;   // mm: half width below which a strip of the second colour is none
-constexpr int kZoneMargin = 3;        // nodes about the second colour where both share a node
+constexpr double kThinStrip = 0.16;  // mm: half width below which a strip of the second colour is none
+constexpr int kZoneMargin = 3;       // nodes about the second colour where both share a node
+constexpr float kFainterFrom = 0.25f, kFainterTo = 0.8f;  // of the first colour, in which a fainter one is sought
+constexpr float kEven = 0.1f;                             // of the first colour, about the fainter one's middle
+constexpr double kFainterCore = 0.3;                      // of the least area, of it clear of rims
+constexpr double kEvenShare = 0.8;                        // of what lies between, that is so even
 constexpr float kKernelNoise = 0.4f;  // of a node against a point: the kernel averages about six of them
 
 // The three corners, skin at zero, in units of the skin's noise in each channel.
 class Triangle {
  public:
   Triangle(const Eigen::Vector3f& first, const Eigen::Vector3f& second) {
+    // A fainter first colour spans none either: what is stronger than that is some first colour on it.
+    const float part = first.dot(second) / first.squaredNorm();
+    if ((second - part * first).norm() < kOnLine * first.norm()) {
+      fainter_ = part;
+      inverse_ << first.transpose() / first.squaredNorm(), second.transpose() / second.squaredNorm();
+      return;
+    }
     Eigen::Matrix<float, 3, 2> corners;
     corners << first, second;
     // Opposite changes, one paler and one darker than the skin, span no triangle: each is told by its own direction.
@@ -35,12 +47,18 @@ class Triangle {
     }
     inverse_ = (corners.transpose() * corners).inverse() * corners.transpose();
   }
-  Eigen::Vector2f SharesOf(const Eigen::Vector3f& change) const { return inverse_ * change; }
+  Eigen::Vector2f SharesOf(const Eigen::Vector3f& change) const {
+    const Eigen::Vector2f shares = inverse_ * change;
+    if (fainter_ == 0) return shares;
+    const float first = std::max(0.0f, (shares[0] - fainter_) / (1 - fainter_));
+    return {first, first > 0 ? 1 - first : shares[1]};
+  }
   /// Standard deviation of a share for noise of 1 in each channel.
-  float NoiseOf(int corner) const { return inverse_.row(corner).norm(); }
+  float NoiseOf(int corner) const { return inverse_.row(corner).norm() / (corner == 0 ? 1 - fainter_ : 1); }
 
  private:
   Eigen::Matrix<float, 2, 3> inverse_;
+  float fainter_ = 0;  // of the first colour, the second; 0: the second is no fainter first one
 };
 
 Eigen::Vector3f MedianOf(const std::vector<Eigen::Vector3f>& values) {
@@ -80,24 +98,12 @@ class Separation {
     const double node_area = field_.step * field_.step;
     if (static_cast<double>(nodes_.size()) * node_area < 2 * min_area) return false;
     first_ = StrongestColour(node_area);
-    const std::vector<std::uint8_t> wide = WideOffLine();
-    std::vector<std::pair<float, std::size_t>> off;
-    for (std::size_t i = 0; i < colours_.size(); ++i) {
-      if (wide[nodes_[i]] != 0) off.emplace_back(-OffLine(colours_[i], first_).norm(), i);
-    }
-    if (off.size() < 3) return false;
-    std::sort(off.begin(), off.end());
-    off.resize(std::max<std::size_t>(3, off.size() / 2));
-    std::vector<Eigen::Vector3f> farthest;
-    for (const auto& [distance, i] : off) farthest.push_back(colours_[i]);
-    second_ = MedianOf(farthest);
-    for (int k = 0; k < kRefinements; ++k) Refine();
-    return OffLine(second_, first_).norm() > LimitOf(second_, first_) &&
-           OffLine(first_, second_).norm() > LimitOf(first_, first_);
+    return FindOffLine() || FindFainter(min_area);
   }
 
   // Distance in Lab of the second colour from the best mixture of the first and skin, or the reverse if less.
   double Contrast(double lightness_weight) const {
+    if (fainter_) return LabBetween(LabFromLinear(LinearOf(first_)), second_, lightness_weight);
     return std::min(LabOffLine(second_, first_, lightness_weight), LabOffLine(first_, second_, lightness_weight));
   }
 
@@ -129,6 +135,45 @@ class Separation {
   }
 
  private:
+  // A second colour off the first's line.
+  bool FindOffLine() {
+    const std::vector<std::uint8_t> wide = WideOffLine();
+    std::vector<std::pair<float, std::size_t>> off;
+    for (std::size_t i = 0; i < colours_.size(); ++i) {
+      if (wide[nodes_[i]] != 0) off.emplace_back(-OffLine(colours_[i], first_).norm(), i);
+    }
+    if (off.size() < 3) return false;
+    std::sort(off.begin(), off.end());
+    off.resize(std::max<std::size_t>(3, off.size() / 2));
+    std::vector<Eigen::Vector3f> farthest;
+    for (const auto& [distance, i] : off) farthest.push_back(colours_[i]);
+    second_ = MedianOf(farthest);
+    for (int k = 0; k < kRefinements; ++k) Refine();
+    return OffLine(second_, first_).norm() > LimitOf(second_, first_) &&
+           OffLine(first_, second_).norm() > LimitOf(first_, first_);
+  }
+
+  // A second colour on that line: even, fainter than the first, and away from rims, where each share occurs.
+  bool FindFainter(double min_area) {
+    std::vector<std::uint8_t> between(field_.level.size(), 0);
+    for (const std::size_t node : nodes_) {
+      const float along = AlongOnly(node, first_);
+      between[node] = along > kFainterFrom && along < kFainterTo ? 1 : 0;
+    }
+    between = Eroded(std::move(between));
+    std::vector<float> parts;
+    for (std::size_t node = 0; node < between.size(); ++node) {
+      if (between[node] != 0) parts.push_back(AlongOnly(node, first_));
+    }
+    if (static_cast<double>(parts.size()) * field_.step * field_.step < kFainterCore * min_area) return false;
+    const float part = Median(parts);
+    const auto even = std::count_if(parts.begin(), parts.end(), [&](float p) { return std::abs(p - part) < kEven; });
+    if (static_cast<double>(even) < kEvenShare * static_cast<double>(parts.size())) return false;
+    second_ = part * first_;
+    fainter_ = true;
+    return (first_ - second_).norm() > kLeastNoise * kKernelNoise;
+  }
+
   int ThinSteps() const { return std::max(2, static_cast<int>(std::lround(kThinStrip / field_.step))); }
 
   // What is left of a mask when strips up to twice kThinStrip wide, and as much of every rim, are taken off. Along a
@@ -218,11 +263,15 @@ class Separation {
     const Eigen::Vector3f lab = LabFromLinear(LinearOf(colour));
     float nearest = 1e9f;
     for (float along = 0; along <= 1.3f; along += 0.05f) {
-      Eigen::Vector3f difference = lab - LabFromLinear(LinearOf(along * line));
-      difference[0] *= static_cast<float>(lightness_weight);
-      nearest = std::min(nearest, difference.norm());
+      nearest = std::min(nearest, LabBetween(lab, along * line, lightness_weight));
     }
     return nearest;
+  }
+
+  float LabBetween(const Eigen::Vector3f& lab, const Eigen::Vector3f& colour, double lightness_weight) const {
+    Eigen::Vector3f difference = lab - LabFromLinear(LinearOf(colour));
+    difference[0] *= static_cast<float>(lightness_weight);
+    return difference.norm();
   }
 
   ColourLayer LayerOf(const Eigen::Vector3f& colour, float noise) const {
@@ -237,6 +286,7 @@ class Separation {
   std::vector<std::size_t> nodes_;
   std::vector<Eigen::Vector3f> colours_;
   Eigen::Vector3f first_ = Eigen::Vector3f::Zero(), second_ = Eigen::Vector3f::Zero();
+  bool fainter_ = false;  // the second is a fainter first one
 };
 
 }  // namespace

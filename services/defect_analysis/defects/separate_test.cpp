@@ -121,6 +121,22 @@ TEST(SeparateDefects, TellsADarkSpotFromAPaleOneThatIsNearlyAsGloss) {
   EXPECT_NEAR(SignedArea(found.outlines[1].polygon), pi * 1.44, 0.1);
 }
 
+TEST(SeparateDefects, TellsAFaintSpotFromAStrongOneOfItsHueThatItTouches) {
+  const FruitSurface surface = Ball();
+  const Eigen::Vector3f brown(-0.60f, -0.70f, -0.30f);
+  const auto strong = [](const Eigen::Vector2d& p) { return Disc(p, {0, -0.9}, 1.3); };
+  const auto change = [&](const Eigen::Vector2d& p) {
+    const float faint = Disc(p, {0, 1.2}, 1.1);
+    return strong(p) + (1 - strong(p)) * 0.5f * faint;
+  };
+  const TransitionField field =
+      FieldOf(surface, change, [&](const Eigen::Vector2d& p) { return Eigen::Vector3f(change(p) * brown); });
+  const Outlines found = SeparateDefects(field, 9, {});
+  ASSERT_EQ(found.outlines.size(), 2u);
+  EXPECT_NEAR(SignedArea(found.outlines[0].polygon), pi * 1.69, 0.1);
+  EXPECT_NEAR(SignedArea(found.outlines[1].polygon), pi * 1.21, 0.1);
+}
+
 // A crack that leaves a shadow, or goes over to skin of another hue, half-way.
 TEST(SeparateDefects, LeavesAStripWhoseHueChangesOnItsWayWhole) {
   const FruitSurface surface = Ball();
