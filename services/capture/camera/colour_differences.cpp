@@ -9,145 +9,142 @@ namespace {
 
 using Value = std::int16_t;
 
+/// Pixels of the margin that measured cells cover, and those as far as which filters before them reach.
+constexpr int kPixelReach = 2 * kMeasuredReach + 1, kChangeReach = kPixelReach + 2, kContrastReach = kChangeReach + 3;
+static_assert(kContrastReach + 2 <= Lattice::kMargin);
+
 /// Mirroring about a pixel keeps the pattern of colours.
 int Mirror(int i, int size) {
   i = std::abs(i) % (2 * (size - 1));
   return i < size ? i : 2 * (size - 1) - i;
 }
 
-/// The samples of a mosaic, mirrored into the margins, by their place in the cell.
-struct Samples {
-  Samples(const std::uint8_t* mosaic, int width, int height, RedPlace place)
-      : columns((width + place.x + 1) / 2),
-        rows((height + place.y + 1) / 2),
-        red_place(place),
-        red(columns, rows),
-        right_of_red(columns, rows),
-        below_red(columns, rows),
-        blue(columns, rows) {
-    for (int j = -Lattice::kMargin; j < rows + Lattice::kMargin; ++j) {
-      const auto row = [&](int y) { return mosaic + static_cast<std::size_t>(Mirror(y, height)) * width; };
-      SplitRow(row(2 * j - place.y), width, red.Row(j), right_of_red.Row(j));
-      SplitRow(row(2 * j + 1 - place.y), width, below_red.Row(j), blue.Row(j));
-    }
+/// The samples of all colours.
+Lattice Mirrored(const std::uint8_t* mosaic, int width, int height) {
+  Lattice samples(width, height);
+  for (int y = -Lattice::kMargin; y < height + Lattice::kMargin; ++y) {
+    const std::uint8_t* from = mosaic + static_cast<std::size_t>(Mirror(y, height)) * width;
+    Value* to = samples.Row(y);
+    std::copy_n(from, width, to);
+    for (int x = 1; x <= Lattice::kMargin; ++x) to[-x] = from[Mirror(-x, width)];
+    for (int x = width; x < width + Lattice::kMargin; ++x) to[x] = from[Mirror(x, width)];
   }
-
-  int columns, rows;
-  RedPlace red_place;
-  Lattice red, right_of_red, below_red, blue;
-
- private:
-  void SplitRow(const std::uint8_t* from, int width, Value* even, Value* odd) const {
-    const auto mirrored = [&](int i) {
-      even[i] = from[Mirror(2 * i - red_place.x, width)];
-      odd[i] = from[Mirror(2 * i + 1 - red_place.x, width)];
-    };
-    for (int i = -Lattice::kMargin; i <= 0; ++i) mirrored(i);
-    for (int i = 1; i < columns - 1; ++i) {
-      even[i] = from[2 * i - red_place.x];
-      odd[i] = from[2 * i + 1 - red_place.x];
-    }
-    for (int i = std::max(1, columns - 1); i < columns + Lattice::kMargin; ++i) mirrored(i);
-  }
-};
-
-/// Differences of a colour to green interpolated along one direction: `step` leads to the colour's next sample in it,
-/// and `before`, `after` are the green samples between.
-Lattice DifferencesAlong(const Lattice& colour, const Lattice& green, std::ptrdiff_t before, std::ptrdiff_t after,
-                         std::ptrdiff_t step) {
-  static_assert(kLevelSteps == 4);
-  constexpr int kReach = Lattice::kMargin - 1;
-  Lattice differences(colour.columns(), colour.rows());
-  for (int y = -kReach; y < colour.rows() + kReach; ++y) {
-    const Value *c = colour.Row(y), *g = green.Row(y);
-    Value* out = differences.Row(y);
-    for (int x = -kReach; x < colour.columns() + kReach; ++x) {
-      out[x] = static_cast<Value>(2 * c[x] + c[x - step] + c[x + step] - 2 * (g[x + before] + g[x + after]));
-    }
-  }
-  return differences;
+  return samples;
 }
 
-/// Which of a lattice's changes, each from one value to the next along a direction, are summed: rows and columns
-/// relative to the pixel, first and last.
-struct Window {
-  int top, bottom, left, right;
-};
+/// The colour of each pixel less that of the pixels beside it along a direction, both interpolated; `step` leads to the
+/// next pixel in it. At a pixel behind green that is green less the row's or column's colour.
+Lattice ContrastsAlong(const Lattice& samples, std::ptrdiff_t step) {
+  static_assert(kLevelSteps == 4);
+  Lattice contrasts(samples.columns(), samples.rows());
+  for (int y = -kContrastReach; y < samples.rows() + kContrastReach; ++y) {
+    const Value* s = samples.Row(y);
+    Value* out = contrasts.Row(y);
+    for (int x = -kContrastReach; x < samples.columns() + kContrastReach; ++x) {
+      out[x] = static_cast<Value>(2 * s[x] + s[x - 2 * step] + s[x + 2 * step] - 2 * (s[x - step] + s[x + step]));
+    }
+  }
+  return contrasts;
+}
 
-/// Sums changes around each pixel of a row.
-class ChangeSums {
- public:
-  explicit ChangeSums(int columns, int reach)
-      : reach_(reach),
-        changes_(static_cast<std::size_t>(columns + 2 * Lattice::kMargin)),
-        sums_(static_cast<std::size_t>(columns + 2 * reach)) {}
+/// Sums of a row's values and the two on both sides of each, halved.
+void HalfSumsOfFive(const Value* values, int begin, int end, Value* out) {
+  for (int x = begin; x < end; ++x) {
+    out[x] = static_cast<Value>((values[x - 2] + values[x - 1] + values[x] + values[x + 1] + values[x + 2]) >> 1);
+  }
+}
 
-  void Clear() { std::fill(sums_.begin(), sums_.end(), Value{0}); }
-  /// At most 12 changes of at most 2040 each: the sum of what is added between two calls of Clear fits.
-  void Add(const Lattice& differences, std::ptrdiff_t step, int y, const Window& window) {
-    constexpr int kChangeReach = Lattice::kMargin - 2;
-    std::fill(changes_.begin(), changes_.end(), Value{0});
-    Value* changes = changes_.data() + Lattice::kMargin;
-    for (int j = y + window.top; j <= y + window.bottom; ++j) {
-      const Value* d = differences.Row(j);
-      for (int x = -kChangeReach; x < differences.columns() + kChangeReach; ++x) {
-        const auto change = static_cast<Value>(d[x] - d[x + step]);
-        changes[x] = static_cast<Value>(changes[x] + std::max(change, static_cast<Value>(-change)));
+/// Half of how much contrasts change along their direction, each from the pixel before to the one after, summed over
+/// 5 x 5 pixels: 25 changes of at most 2040 each.
+Lattice ChangesAround(const Lattice& contrasts, std::ptrdiff_t step) {
+  Lattice changes(contrasts.columns(), contrasts.rows());
+  std::vector<Value> columns(static_cast<std::size_t>(changes.stride()));
+  Value* of_column = columns.data() + Lattice::kMargin;
+  for (int y = -kChangeReach; y < changes.rows() + kChangeReach; ++y) {
+    std::fill(columns.begin(), columns.end(), Value{0});
+    for (int j = y - 2; j <= y + 2; ++j) {
+      const Value* c = contrasts.Row(j);
+      for (int x = -kChangeReach - 2; x < changes.columns() + kChangeReach + 2; ++x) {
+        const auto change = static_cast<Value>(c[x + step] - c[x - step]);
+        of_column[x] = static_cast<Value>(of_column[x] + std::max(change, static_cast<Value>(-change)));
       }
     }
-    for (int left = window.left; left <= window.right; ++left) {
-      const Value* from = changes - reach_ + left;
-      for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] = static_cast<Value>(sums_[i] + from[i]);
+    HalfSumsOfFive(of_column, -kChangeReach, changes.columns() + kChangeReach, changes.Row(y));
+  }
+  return changes;
+}
+
+/// What is known along one direction.
+struct Direction {
+  Direction(const Lattice& samples, std::ptrdiff_t along)
+      : step(along), contrasts(ContrastsAlong(samples, along)), changes(ChangesAround(contrasts, along)) {}
+
+  std::ptrdiff_t step;
+  Lattice contrasts, changes;
+};
+
+/// Where differences change little, they may be averaged.
+inline float WeightOf(Value changes) {
+  const float more = static_cast<float>(changes) + 1;
+  const float square = more * more;
+  return 1 / (square * square);
+}
+
+/// The sum of a colour's differences at four pixels from `contrast` on; they change sides from pixel to pixel.
+inline float SumOfFour(const Value* contrast, std::ptrdiff_t step) {
+  return static_cast<float>(contrast[0] - contrast[step] + contrast[2 * step] - contrast[3 * step]);
+}
+
+inline Value Rounded(float difference) {
+  return static_cast<Value>(static_cast<int>(difference + 4096.5F) - 4096);
+}
+
+/// The differences at a row's pixels. Those behind green are computed too, and are not used: plain loops over rows are
+/// what compilers turn into vector code.
+void WeighRow(const Direction& across, const Direction& down, int y, Value* out) {
+  const Value *a = across.contrasts.Row(y), *d = down.contrasts.Row(y), *a_changes = across.changes.Row(y);
+  const Value *above = down.changes.Row(y - 2), *below = down.changes.Row(y + 2);
+  const std::ptrdiff_t stride = down.step;
+  for (int x = -kPixelReach; x < across.contrasts.columns() + kPixelReach; ++x) {
+    const float left = WeightOf(a_changes[x - 2]), right = WeightOf(a_changes[x + 2]);
+    const float up = WeightOf(above[x]), lower = WeightOf(below[x]);
+    const float sum = (left * SumOfFour(a + x, -1) + right * SumOfFour(a + x, 1)) +
+                      (up * SumOfFour(d + x, -stride) + lower * SumOfFour(d + x, stride));
+    out[x] = Rounded(sum / (4 * ((left + right) + (up + lower))));
+  }
+}
+
+/// Red's, or blue's, from the cells' pixels at (place_x, place_y).
+MeasuredColour Collect(const Direction& across, const Direction& down, int columns, int rows, int place_x,
+                       int place_y) {
+  const Lattice empty(columns, rows);
+  MeasuredColour colour{empty, {empty, empty}, {empty, empty}};
+  std::vector<Value> weighed(static_cast<std::size_t>(across.contrasts.stride()));
+  Value* differences = weighed.data() + Lattice::kMargin;
+  const std::ptrdiff_t stride = down.step;
+  for (int j = -kMeasuredReach; j < rows + kMeasuredReach; ++j) {
+    const int y = 2 * j + place_y;
+    WeighRow(across, down, y, differences);
+    const Value *a = across.contrasts.Row(y), *d = down.contrasts.Row(y);
+    for (int i = -kMeasuredReach; i < columns + kMeasuredReach; ++i) {
+      const int x = 2 * i + place_x;
+      colour.difference.Row(j)[i] = differences[x];
+      colour.across.own.Row(j)[i] = a[x], colour.down.own.Row(j)[i] = d[x];
+      colour.across.of_three.Row(j)[i] = static_cast<Value>(a[x] - a[x - 1] - a[x + 1]);
+      colour.down.of_three.Row(j)[i] = static_cast<Value>(d[x] - d[x - stride] - d[x + stride]);
     }
   }
-  const Value* sums() const { return sums_.data() + reach_; }
-
- private:
-  int reach_;
-  std::vector<Value> changes_, sums_;
-};
-
-/// One colour's differences along both directions.
-struct Directions {
-  Lattice across, down;
-};
-
-/// The 5 x 5 pixels about a pixel, as seen from the lattice of its own colour and from the other one.
-struct Neighbourhood {
-  Window own_across, own_down, other_across, other_down;
-};
-constexpr Neighbourhood kAboutRed = {{-1, 1, -1, 0}, {-1, 0, -1, 1}, {-1, 0, -2, 0}, {-2, 0, -1, 0}};
-constexpr Neighbourhood kAboutBlue = {{-1, 1, -1, 0}, {-1, 0, -1, 1}, {0, 1, -1, 1}, {-1, 1, 0, 1}};
-
-/// A colour's differences along the direction in which those of both colours change less.
-Lattice Choose(const Directions& own, const Directions& other, const Neighbourhood& about, int reach) {
-  Lattice chosen(own.across.columns(), own.across.rows());
-  ChangeSums across(chosen.columns(), reach), down(chosen.columns(), reach);
-  const std::ptrdiff_t stride = chosen.stride();
-  for (int y = -reach; y < chosen.rows() + reach; ++y) {
-    across.Clear(), down.Clear();
-    across.Add(own.across, 1, y, about.own_across), across.Add(other.across, 1, y, about.other_across);
-    down.Add(own.down, stride, y, about.own_down), down.Add(other.down, stride, y, about.other_down);
-    const Value *changes_across = across.sums(), *changes_down = down.sums();
-    const Value *d_across = own.across.Row(y), *d_down = own.down.Row(y);
-    Value* out = chosen.Row(y);
-    for (int x = -reach; x < chosen.columns() + reach; ++x) {
-      out[x] = changes_across[x] <= changes_down[x] ? d_across[x] : d_down[x];
-    }
-  }
-  return chosen;
+  return colour;
 }
 
 }  // namespace
 
-ColourDifferences MeasureDifferences(const std::uint8_t* mosaic, int width, int height, RedPlace red, int reach) {
-  const Samples s(mosaic, width, height, red);
-  const std::ptrdiff_t stride = s.red.stride();
-  const Directions reds{DifferencesAlong(s.red, s.right_of_red, -1, 0, 1),
-                        DifferencesAlong(s.red, s.below_red, -stride, 0, stride)};
-  const Directions blues{DifferencesAlong(s.blue, s.below_red, 0, 1, 1),
-                         DifferencesAlong(s.blue, s.right_of_red, 0, stride, stride)};
-  return {Choose(reds, blues, kAboutRed, reach), Choose(blues, reds, kAboutBlue, reach)};
+ColourDifferences MeasureDifferences(const std::uint8_t* mosaic, int width, int height, RedPlace red) {
+  const Lattice samples = Mirrored(mosaic, width, height);
+  const Direction across(samples, 1), down(samples, samples.stride());
+  const int columns = (width + red.x + 1) / 2, rows = (height + red.y + 1) / 2;
+  return {Collect(across, down, columns, rows, -red.x, -red.y),
+          Collect(across, down, columns, rows, 1 - red.x, 1 - red.y)};
 }
 
 }  // namespace drupe

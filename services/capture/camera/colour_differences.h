@@ -7,14 +7,27 @@
 
 namespace drupe {
 
-/// Red less green at the red pixels of a mosaic and blue less green at the blue ones, in 1 / kLevelSteps grey levels.
-/// Column i and row j are the pixels of cell (i, j), the 2 x 2 pixels of which the top left one is red; where the
-/// mosaic begins with another colour, the first cells begin one pixel outside it.
-struct ColourDifferences {
-  Lattice red, blue;
+/// What is measured along one direction alone.
+struct LineDifferences {
+  Lattice own;       ///< at the pixel
+  Lattice of_three;  ///< the sum of those at the pixel and the two beside it
 };
 
-/// Measures them as Demosaic says (1.), as far as `reach` into the lattices' margin, 5 at most.
-ColourDifferences MeasureDifferences(const std::uint8_t* mosaic, int width, int height, RedPlace red, int reach);
+/// A colour less green at the pixels behind its filter, in 1 / kLevelSteps grey levels. Column i and row j are the
+/// pixel of cell (i, j), the 2 x 2 pixels of which the top left one is red; where the mosaic begins with another
+/// colour, the first cells begin one pixel outside it.
+struct MeasuredColour {
+  Lattice difference;  ///< along all four directions, weighed as Demosaic says (1.)
+  LineDifferences across, down;
+};
+
+struct ColourDifferences {
+  MeasuredColour red, blue;
+};
+
+/// Cells of the lattices' margin as far as which differences are measured.
+constexpr int kMeasuredReach = 9;
+
+ColourDifferences MeasureDifferences(const std::uint8_t* mosaic, int width, int height, RedPlace red);
 
 }  // namespace drupe

@@ -37,9 +37,26 @@ void TakeMedians(const SortedColumns& sorted, std::size_t count, Entry* out) {
   }
 }
 
-/// The middle of three weighed 1 : 6 : 1, rounded.
+/// The middle of three weighed 1 : 2^shift - 2 : 1, rounded.
+template <int shift>
 Entry Weigh(Entry before, Entry middle, Entry after) {
-  return static_cast<Entry>((before + 6 * middle + after + 4) >> 3);
+  constexpr int kAll = 1 << shift;
+  return static_cast<Entry>((before + (kAll - 2) * middle + after + kAll / 2) >> shift);
+}
+
+template <int shift>
+Lattice SmoothBy(const Lattice& from, int reach) {
+  Lattice smooth(from.columns(), from.rows());
+  const auto count = static_cast<std::size_t>(from.columns() + 2 * reach);
+  std::vector<Entry> columns(count + 2);
+  for (int y = -reach; y < from.rows() + reach; ++y) {
+    const int left = -reach - 1;
+    const Entry *above = from.Row(y - 1) + left, *row = from.Row(y) + left, *below = from.Row(y + 1) + left;
+    for (std::size_t i = 0; i < count + 2; ++i) columns[i] = Weigh<shift>(above[i], row[i], below[i]);
+    Entry* out = smooth.Row(y) - reach;
+    for (std::size_t i = 0; i < count; ++i) out[i] = Weigh<shift>(columns[i], columns[i + 1], columns[i + 2]);
+  }
+  return smooth;
 }
 
 }  // namespace
@@ -56,18 +73,8 @@ Lattice Median3x3(const Lattice& from, int reach) {
   return medians;
 }
 
-Lattice Smooth(const Lattice& from, int reach) {
-  Lattice smooth(from.columns(), from.rows());
-  const auto count = static_cast<std::size_t>(from.columns() + 2 * reach);
-  std::vector<Entry> columns(count + 2);
-  for (int y = -reach; y < from.rows() + reach; ++y) {
-    const int left = -reach - 1;
-    const Entry *above = from.Row(y - 1) + left, *row = from.Row(y) + left, *below = from.Row(y + 1) + left;
-    for (std::size_t i = 0; i < count + 2; ++i) columns[i] = Weigh(above[i], row[i], below[i]);
-    Entry* out = smooth.Row(y) - reach;
-    for (std::size_t i = 0; i < count; ++i) out[i] = Weigh(columns[i], columns[i + 1], columns[i + 2]);
-  }
-  return smooth;
+Lattice Smooth(const Lattice& from, Smoothing smoothing, int reach) {
+  return smoothing == Smoothing::kLight ? SmoothBy<3>(from, reach) : SmoothBy<2>(from, reach);
 }
 
 }  // namespace drupe

@@ -9,11 +9,12 @@ namespace drupe {
 /// Steps of a grey level in differences of colours.
 constexpr int kLevelSteps = 4;
 
-/// Every second pixel of every second row, with a margin on all sides, so that no filter meets a border: columns
-/// -kMargin..columns() + kMargin - 1, and rows likewise, may be read and written. Zero at first.
+/// Values at all pixels, or at every second pixel of every second row, with a margin on all sides, so that no filter
+/// meets a border: columns -kMargin..columns() + kMargin - 1, and rows likewise, may be read and written. Zero at
+/// first.
 class Lattice {
  public:
-  static constexpr int kMargin = 10;
+  static constexpr int kMargin = 28;
 
   Lattice(int columns, int rows)
       : columns_(columns),
@@ -35,7 +36,10 @@ class Lattice {
 /// The median of each value and its eight neighbours, as far as `reach` into the margin.
 Lattice Median3x3(const Lattice& from, int reach);
 
-/// Each value and its neighbours on both sides, weighed 1 : 6 : 1 across and down, as far as `reach` into the margin.
-Lattice Smooth(const Lattice& from, int reach);
+/// How much of a smoothed value its neighbours on both sides have, across and down.
+enum class Smoothing { kLight /** 1 : 6 : 1 */, kStrong /** 1 : 2 : 1 */ };
+
+/// Each value and its neighbours weighed, as far as `reach` into the margin.
+Lattice Smooth(const Lattice& from, Smoothing smoothing, int reach);
 
 }  // namespace drupe

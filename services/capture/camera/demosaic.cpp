@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "capture/camera/agreed_detail.h"
 #include "capture/camera/colour_differences.h"
 
 namespace drupe {
@@ -21,10 +22,12 @@ struct CleanDifferences {
   Lattice even;
 };
 
-/// From differences measured as far as 5 into the margin.
-CleanDifferences Clean(const Lattice& measured) {
-  Lattice fine = Median3x3(measured, 4);
-  Lattice even = Smooth(Median3x3(Median3x3(fine, 3), 2), 1);
+/// What is written of a picture reaches one place into the margin, and each filter before it farther.
+CleanDifferences Clean(const MeasuredColour& measured) {
+  static_assert(kMeasuredReach == 9);
+  Lattice fine = Median3x3(measured.difference, 8);
+  Lattice even = Smooth(Median3x3(Median3x3(fine, 7), 6), Smoothing::kLight, 5);
+  RestoreAgreedDetail(measured, fine, even);
   return {std::move(fine), std::move(even)};
 }
 
@@ -100,8 +103,7 @@ void WriteBlueRow(const CellRow& even, const CellRow& fine, const std::uint8_t* 
 }  // namespace
 
 RgbImage Demosaic(const std::uint8_t* mosaic, int width, int height, RedPlace red) {
-  // What is written reaches one place into the lattices' margin, and each filter before it one farther.
-  const ColourDifferences measured = MeasureDifferences(mosaic, width, height, red, 5);
+  const ColourDifferences measured = MeasureDifferences(mosaic, width, height, red);
   const CleanDifferences reds = Clean(measured.red), blues = Clean(measured.blue);
   RgbImage image(width, height, 3);
   for (int y = 0; y < height; ++y) {

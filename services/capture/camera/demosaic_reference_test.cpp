@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <random>
 #include <vector>
@@ -20,7 +21,7 @@ int MirroredIndex(int i, int size) {
 /// Values at pixels in and around the picture.
 class Field {
  public:
-  static constexpr int kAround = 16;
+  static constexpr int kAround = 32;
   Field(int width, int height)
       : stride_(width + 2 * kAround), values_(static_cast<std::size_t>(stride_) * (height + 2 * kAround)) {}
   int& At(int x, int y) { return values_[static_cast<std::size_t>((y + kAround) * stride_ + x + kAround)]; }
@@ -36,12 +37,24 @@ class PlainDemosaic {
  public:
   PlainDemosaic(const std::vector<std::uint8_t>& mosaic, int width, int height, RedPlace red)
       : mosaic_(mosaic), width_(width), height_(height), red_(red), differences_(width, height), fine_(width, height) {
-    ForAllWithin(10, [&](int x, int y) { return Chosen(x, y); });
-    ForAllWithin(8, [&](int x, int y) { return Median(x, y); });
+    ForAllWithin(18, [&](int x, int y) { return Measured(x, y); });
+    const Field measured = differences_;
+    ForAllWithin(16, [&](int x, int y) { return Median(x, y); });
     fine_ = differences_;
-    for (int around : {6, 4}) ForAllWithin(around, [&](int x, int y) { return Median(x, y); });
-    ForAllWithin(4, [&](int x, int y) { return Weighed(x, y, 0, 2); });
-    ForAllWithin(2, [&](int x, int y) { return Weighed(x, y, 2, 0); });
+    for (int around : {14, 12}) ForAllWithin(around, [&](int x, int y) { return Median(x, y); });
+    ForAllWithin(12, [&](int x, int y) { return Weighed(x, y, 0, 2, 6); });
+    ForAllWithin(10, [&](int x, int y) { return Weighed(x, y, 2, 0, 6); });
+    const Field even = differences_;
+    ForAllWithin(10, [&](int x, int y) { return Weighed(x, y, 0, 2, 2); });
+    ForAllWithin(8, [&](int x, int y) { return Weighed(x, y, 2, 0, 2); });
+    Field restored_fine = fine_;
+    const auto restored = [&](int x, int y) {
+      const float share = ShareKept(x, y);
+      restored_fine.At(x, y) = Towards(fine_.At(x, y), measured.At(x, y), share);
+      return Towards(even.At(x, y), measured.At(x, y), share);
+    };
+    ForAllWithin(2, restored);
+    fine_ = restored_fine;
   }
 
   /// Channel 0..2 of a pixel.
@@ -62,23 +75,56 @@ class PlainDemosaic {
   int Sample(int x, int y) const {
     return mosaic_[static_cast<std::size_t>(MirroredIndex(y, height_) * width_ + MirroredIndex(x, width_))];
   }
-  /// Of a red or blue pixel to green, which is interpolated along (dx, dy).
-  int Along(int x, int y, int dx, int dy) const {
+  /// Of a pixel's colour to the one of the pixels beside it along (dx, dy).
+  int Contrast(int x, int y, int dx, int dy) const {
     return 2 * Sample(x, y) + Sample(x - 2 * dx, y - 2 * dy) + Sample(x + 2 * dx, y + 2 * dy) -
            2 * (Sample(x - dx, y - dy) + Sample(x + dx, y + dy));
   }
-  /// The sum of changes over the 5 x 5 steps whose middles lie about the pixel.
-  int Changes(int x, int y, int dx, int dy) const {
+  /// To the power of -4: changes along (dx, dy) in the 5 x 5 pixels that begin at the pixel and go on to one side.
+  float Weight(int x, int y, int dx, int dy, int side) const {
     int sum = 0;
-    for (int v = y - 2 - dy; v <= y + 2 - dy; ++v) {
-      for (int u = x - 2 - dx; u <= x + 2 - dx; ++u) {
-        if (!IsGreen(u, v)) sum += std::abs(Along(u, v, dx, dy) - Along(u + 2 * dx, v + 2 * dy, dx, dy));
+    for (int v = y - 2 + 2 * side * dy; v <= y + 2 + 2 * side * dy; ++v) {
+      for (int u = x - 2 + 2 * side * dx; u <= x + 2 + 2 * side * dx; ++u) {
+        sum += std::abs(Contrast(u + dx, v + dy, dx, dy) - Contrast(u - dx, v - dy, dx, dy));
       }
     }
-    return sum;
+    const float more = static_cast<float>(sum / 2) + 1, square = more * more;
+    return 1 / (square * square);
   }
-  int Chosen(int x, int y) const {
-    return Changes(x, y, 1, 0) <= Changes(x, y, 0, 1) ? Along(x, y, 1, 0) : Along(x, y, 0, 1);
+  /// Red or blue less green at four pixels from (x, y) on.
+  float SumOfFour(int x, int y, int dx, int dy) const {
+    int sum = 0;
+    for (int i = 0; i < 4; ++i) sum += (i % 2 == 0 ? 1 : -1) * Contrast(x + i * dx, y + i * dy, dx, dy);
+    return static_cast<float>(sum);
+  }
+  static int Round(float value) { return static_cast<int>(std::floor(value + 0.5F)); }
+  int Measured(int x, int y) const {
+    const float left = Weight(x, y, 1, 0, -1), right = Weight(x, y, 1, 0, 1);
+    const float up = Weight(x, y, 0, 1, -1), down = Weight(x, y, 0, 1, 1);
+    const float sum = (left * SumOfFour(x, y, -1, 0) + right * SumOfFour(x, y, 1, 0)) +
+                      (up * SumOfFour(x, y, 0, -1) + down * SumOfFour(x, y, 0, 1));
+    return Round(sum / (4 * ((left + right) + (up + down))));
+  }
+  int Thrice(int x, int y, int dx, int dy) const {
+    return Contrast(x, y, dx, dy) - Contrast(x - dx, y - dy, dx, dy) - Contrast(x + dx, y + dy, dx, dy);
+  }
+  float ShareKept(int x, int y) const {
+    int common = 0, all = 0;
+    for (int v = y - 6; v <= y + 6; v += 2) {
+      for (int u = x - 6; u <= x + 6; u += 2) {
+        const int across = (Thrice(u, v, 1, 0) - 3 * differences_.At(u, v)) >> 1;
+        const int down = (Thrice(u, v, 0, 1) - 3 * differences_.At(u, v)) >> 1;
+        const int bend_across = (Thrice(u, v, 1, 0) - 3 * Contrast(u, v, 1, 0)) >> 1;
+        const int bend_down = (Thrice(u, v, 0, 1) - 3 * Contrast(u, v, 0, 1)) >> 1;
+        common += 2 * across * down;
+        all += across * across + down * down + ((bend_across * bend_across + bend_down * bend_down) >> 1);
+      }
+    }
+    const float agreed = 2 * static_cast<float>(common) - static_cast<float>(all);
+    return agreed > 0 ? 8 * agreed / (7 * agreed + static_cast<float>(all)) : 0;
+  }
+  static int Towards(int filtered, int measured, float share) {
+    return Round(static_cast<float>(filtered) + share * static_cast<float>(measured - filtered));
   }
   int Median(int x, int y) const {
     std::vector<int> values;
@@ -88,8 +134,10 @@ class PlainDemosaic {
     std::sort(values.begin(), values.end());
     return values[4];
   }
-  int Weighed(int x, int y, int dx, int dy) const {
-    return (differences_.At(x - dx, y - dy) + 6 * differences_.At(x, y) + differences_.At(x + dx, y + dy) + 4) >> 3;
+  /// With both neighbours, as 1 : middle : 1.
+  int Weighed(int x, int y, int dx, int dy, int middle) const {
+    const int sum = differences_.At(x - dx, y - dy) + middle * differences_.At(x, y) + differences_.At(x + dx, y + dy);
+    return static_cast<int>(std::floor(sum / (middle + 2.0) + 0.5));
   }
   /// The mean of the nearest differences of red or of blue.
   int Interpolated(const Field& differences, int x, int y, bool of_red) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/files.h"
 #include "capture/camera/raw_frame.h"
@@ -115,6 +116,26 @@ TEST(DemosaicTest, RestoresLumaToLessThanALevel) {
     ASSERT_TRUE(image.ok());
     EXPECT_GT(LumaPsnr(*image, photograph), 20 * std::log10(255));
     EXPECT_GT(Psnr(*image, photograph), 44);  // colour is filtered less than luma, so that small spots keep theirs
+  }
+}
+
+// Colours that change within a few pixels are no noise: rows and columns tell the same of them.
+TEST(DemosaicTest, RestoresSharpColoursOfACleanFrame) {
+  RgbImage colours(160, 120, 3);
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      const double turn = 2 * std::numbers::pi;
+      const double hue = std::sin(turn * x / 14) * std::cos(turn * y / 16), grey = std::cos(turn * (x + y) / 17);
+      colours.At(x, y, 0) = static_cast<std::uint8_t>(120 + 40 * hue + 20 * grey);
+      colours.At(x, y, 1) = static_cast<std::uint8_t>(110 - 20 * hue + 20 * grey);
+      colours.At(x, y, 2) = static_cast<std::uint8_t>(90 - 10 * hue + 20 * grey);
+    }
+  }
+  for (const FrameLayout layout : kLayouts) {
+    const auto image = DevelopFrame(MosaicOf(colours, layout));
+    ASSERT_TRUE(image.ok());
+    EXPECT_GT(LumaPsnr(*image, colours), 36) << CellOf(layout);
+    EXPECT_GT(Psnr(*image, colours), 32) << CellOf(layout);
   }
 }
 
