@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,11 +21,16 @@ namespace {
 constexpr std::int64_t kMaxWaiting = 2'000;
 constexpr int kAttempts = 2;
 constexpr int kNice = 10;
+constexpr int kJobsAPage = 1000;
 
 /// Of the calling thread alone, once: on Linux, 0 means the thread. A refusal costs nothing but politeness.
 void LowerThreadPriority() {
   static thread_local const int lowered = setpriority(PRIO_PROCESS, 0, kNice);
   static_cast<void>(lowered);
+}
+
+std::string KeyOf(const std::string& set, const StoredImage& image) {
+  return "prepare:" + set + ":" + Sha256Hex(image.name + "/" + image.sha256);
 }
 
 /// The request with the pictures that its set has now.
@@ -77,9 +83,28 @@ Status LeavePreparation(JobStore& jobs, const ReconstructRequest& announced, con
   spec.id_prefix = "prep";
   spec.subject = announced.image_set;
   spec.payload = ToPayload(request);
-  spec.idempotency_key = "prepare:" + announced.image_set + ":" + Sha256Hex(image.name + "/" + image.sha256);
+  spec.idempotency_key = KeyOf(announced.image_set, image);
   spec.max_attempts = kAttempts;
   return jobs.Submit(spec).status();
+}
+
+Result<std::vector<std::optional<Json>>> PreparationsOf(const ImageSet& set, JobStore& jobs) {
+  const JobFilter done{.kind = kPrepareKind, .subject = set.id, .state = JobState::kSucceeded};
+  std::map<std::string, Json> results;
+  std::string cursor;
+  do {
+    DRUPE_ASSIGN_OR_RETURN(JobPage page, jobs.List(done, kJobsAPage, cursor));
+    for (Job& job : page.jobs) {
+      if (job.result) results[job.idempotency_key] = *std::move(job.result);
+    }
+    cursor = page.next_cursor;
+  } while (!cursor.empty());
+  std::vector<std::optional<Json>> preparations;
+  for (const StoredImage& image : set.images) {
+    const auto found = results.find(KeyOf(set.id, image));
+    preparations.push_back(found == results.end() ? std::nullopt : std::optional(found->second));
+  }
+  return preparations;
 }
 
 }  // namespace drupe

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ inline constexpr const char* kPrepareKind = "prepare";
 /// and leaves it in the cache, so that little is left to do after the last picture. A job, so that a crash loses none,
 /// a picture on which the program dies is given up after a few attempts, and another machine may do it. Runs at a low
 /// priority, since uploads and reconstructions come first. Its result is {"features", "candidates"}: how many there
-/// are, and what DescribeArrived tells of the pictures that came before, for whoever looks on; nothing follows from it.
+/// are, and what DescribeArrived tells of the pictures that came before, for whoever looks on (PreparationsOf).
 class PrepareJob {
  public:
   /// Stores and cache must outlive the job.
@@ -47,5 +48,9 @@ class PrepareJob {
 /// Leaves that job for `image`; `announced` is what will be asked of its set, as far as it is known. Does nothing while
 /// many jobs wait: the reconstruction then does the work itself. Errors: those of the job store.
 Status LeavePreparation(JobStore& jobs, const ReconstructRequest& announced, const StoredImage& image);
+
+/// For every picture of the set the result of that job, as far as it is done and not yet forgotten. Errors: those of
+/// the job store.
+Result<std::vector<std::optional<Json>>> PreparationsOf(const ImageSet& set, JobStore& jobs);
 
 }  // namespace drupe

@@ -84,6 +84,20 @@ TEST_F(PrepareJobTest, TellsFeaturesAndTheMostSimilarPicturesThatCameBefore) {
   EXPECT_EQ(third["candidates"], Names({"01.jpg", "00.jpg"}));
 }
 
+TEST_F(PrepareJobTest, WhatIsDoneIsToldOfTheSetsPictures) {
+  Upload("00.jpg", "00.jpg");
+  Upload("01.jpg", "05.jpg");
+  const Json first = Prepare();
+  EXPECT_EQ(PreparationsOf(sets_->Get(set_.id).value(), *jobs_).value(),
+            (std::vector<std::optional<Json>>{first, std::nullopt}));
+  const Json second = Prepare();
+  EXPECT_EQ(PreparationsOf(sets_->Get(set_.id).value(), *jobs_).value(),
+            (std::vector<std::optional<Json>>{first, second}));
+  Upload("00.jpg", "10.jpg");  // another picture of that name
+  EXPECT_EQ(PreparationsOf(sets_->Get(set_.id).value(), *jobs_).value(),
+            (std::vector<std::optional<Json>>{std::nullopt, second}));
+}
+
 TEST_F(PrepareJobTest, WhatCannotBeComparedIsPreparedAllTheSame) {
   Upload("00.jpg", "00.jpg");
   Upload("01.jpg", "05.jpg");

@@ -27,10 +27,21 @@ void CreateSet(const RouteContext& context, const Request& request, Response& re
   response.SetHeader("Location", context.links.self + "/image-sets/" + set->id);
 }
 
+/// With what is known of the pictures already.
+Result<Json> PreparedSetJson(const RouteContext& context, const std::string& id) {
+  DRUPE_ASSIGN_OR_RETURN(const ImageSet set, context.sets.Get(id));
+  DRUPE_ASSIGN_OR_RETURN(const auto preparations, PreparationsOf(set, context.jobs));
+  Json json = SetJson(set, context.links);
+  for (std::size_t i = 0; i < preparations.size(); ++i) {
+    if (preparations[i]) json["images"][i]["prepared"] = *preparations[i];
+  }
+  return json;
+}
+
 void GetSet(const RouteContext& context, const Request& request, Response& response) {
-  const Result<ImageSet> set = context.sets.Get(request.Capture("id"));
-  if (!set.ok()) return response.SetError(set.status());
-  response.SetJson(SetJson(*set, context.links));
+  const Result<Json> json = PreparedSetJson(context, request.Capture("id"));
+  if (!json.ok()) return response.SetError(json.status());
+  response.SetJson(*json);
 }
 
 struct PutResult {

@@ -68,11 +68,22 @@ class StreamingTest(DrupeTest):
         self.assertEqual(metric(system.reconstruction, "drupe_derived_hits"), hits)
         self.assertEqual(metric(system.reconstruction, "drupe_derived_misses"), misses)
 
+    def assert_prepared(self, system, set_id):
+        """The set tells what was found in every picture."""
+        def prepared():
+            pictures = system.reconstruction.get(f"/image-sets/{set_id}").json()["images"]
+            return [picture["prepared"] for picture in pictures if "prepared" in picture]
+
+        wait_for("every picture to be prepared", lambda: len(prepared()) == IMAGES, PREPARE_TIMEOUT_S)
+        for one in prepared():
+            self.assertGreater(one["features"], 100)
+
     def test_the_job_finds_everything_there_and_gives_the_same_bytes(self):
         images, parts = sample_images(IMAGES), 2 * IMAGES  # features and board of each
         system = self.new_system()
         set_id = stream(system, images, DOCUMENTS)
         wait_for_misses(system, parts)
+        self.assert_prepared(system, set_id)
         streamed = reconstruct(system, set_id, {})
         self.assert_known(system, parts, parts)
 
