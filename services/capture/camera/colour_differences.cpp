@@ -99,19 +99,14 @@ inline Value Rounded(float difference) {
   return static_cast<Value>(static_cast<int>(difference + 4096.5F) - 4096);
 }
 
-/// The differences at a row's pixels. Those behind green are computed too, and are not used: plain loops over rows are
-/// what compilers turn into vector code.
-void WeighRow(const Direction& across, const Direction& down, int y, Value* out) {
-  const Value *a = across.contrasts.Row(y), *d = down.contrasts.Row(y), *a_changes = across.changes.Row(y);
-  const Value *above = down.changes.Row(y - 2), *below = down.changes.Row(y + 2);
-  const std::ptrdiff_t stride = down.step;
-  for (int x = -kPixelReach; x < across.contrasts.columns() + kPixelReach; ++x) {
-    const float left = WeightOf(a_changes[x - 2]), right = WeightOf(a_changes[x + 2]);
-    const float up = WeightOf(above[x]), lower = WeightOf(below[x]);
-    const float sum = (left * SumOfFour(a + x, -1) + right * SumOfFour(a + x, 1)) +
-                      (up * SumOfFour(d + x, -stride) + lower * SumOfFour(d + x, stride));
-    out[x] = Rounded(sum / (4 * ((left + right) + (up + lower))));
-  }
+/// The difference at a pixel, from the contrasts and the changes around it along both directions.
+inline Value Weighed(const Value* across, const Value* down, std::ptrdiff_t stride, const Value* across_changes,
+                     const Value* down_changes) {
+  const float left = WeightOf(across_changes[-2]), right = WeightOf(across_changes[2]);
+  const float above = WeightOf(down_changes[-2 * stride]), below = WeightOf(down_changes[2 * stride]);
+  const float sum = (left * SumOfFour(across, -1) + right * SumOfFour(across, 1)) +
+                    (above * SumOfFour(down, -stride) + below * SumOfFour(down, stride));
+  return Rounded(sum / (4 * ((left + right) + (above + below))));
 }
 
 /// Red's, or blue's, from the cells' pixels at (place_x, place_y).
@@ -119,19 +114,19 @@ MeasuredColour Collect(const Direction& across, const Direction& down, int colum
                        int place_y) {
   const Lattice empty(columns, rows);
   MeasuredColour colour{empty, {empty, empty}, {empty, empty}};
-  std::vector<Value> weighed(static_cast<std::size_t>(across.contrasts.stride()));
-  Value* differences = weighed.data() + Lattice::kMargin;
   const std::ptrdiff_t stride = down.step;
   for (int j = -kMeasuredReach; j < rows + kMeasuredReach; ++j) {
     const int y = 2 * j + place_y;
-    WeighRow(across, down, y, differences);
-    const Value *a = across.contrasts.Row(y), *d = down.contrasts.Row(y);
+    const Value *a = across.contrasts.Row(y) + place_x, *d = down.contrasts.Row(y) + place_x;
+    const Value *a_changes = across.changes.Row(y) + place_x, *d_changes = down.changes.Row(y) + place_x;
+    Value *difference = colour.difference.Row(j), *a_own = colour.across.own.Row(j), *d_own = colour.down.own.Row(j);
+    Value *a_sum = colour.across.of_three.Row(j), *d_sum = colour.down.of_three.Row(j);
     for (int i = -kMeasuredReach; i < columns + kMeasuredReach; ++i) {
-      const int x = 2 * i + place_x;
-      colour.difference.Row(j)[i] = differences[x];
-      colour.across.own.Row(j)[i] = a[x], colour.down.own.Row(j)[i] = d[x];
-      colour.across.of_three.Row(j)[i] = static_cast<Value>(a[x] - a[x - 1] - a[x + 1]);
-      colour.down.of_three.Row(j)[i] = static_cast<Value>(d[x] - d[x - stride] - d[x + stride]);
+      const int x = 2 * i;
+      difference[i] = Weighed(a + x, d + x, stride, a_changes + x, d_changes + x);
+      a_own[i] = a[x], d_own[i] = d[x];
+      a_sum[i] = static_cast<Value>(a[x] - a[x - 1] - a[x + 1]);
+      d_sum[i] = static_cast<Value>(d[x] - d[x - stride] - d[x + stride]);
     }
   }
   return colour;
