@@ -1,8 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +25,7 @@ namespace {
 struct BayerArguments {
   SetArguments sets;
   int jpeg_quality = 97;
+  int chance = 0;
 };
 
 /// Which colour filters lie before the sensor, and where red lies in their top left 2 x 2.
@@ -53,6 +56,20 @@ RawFrame MosaicOf(const RgbImage& picture, const Sensor& sensor) {
   return frame;
 }
 
+/// One level more or less at every tenth pixel: no eye sees it, and the poses move all the same.
+void Disturb(std::uint32_t seed, RgbImage& picture) {
+  std::mt19937 random(seed);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      const auto die = random() % 20;
+      const int change = die == 0 ? 1 : die == 1 ? -1 : 0;
+      for (int c = 0; c < 3; ++c) {
+        picture.At(x, y, c) = static_cast<std::uint8_t>(std::clamp(picture.At(x, y, c) + change, 0, 255));
+      }
+    }
+  }
+}
+
 Result<std::string> Retake(const SourceImage& source, const Sensor& sensor, const BayerArguments& arguments,
                            const Limits& limits) {
   DRUPE_ASSIGN_OR_RETURN(const std::string bytes, source.read());
@@ -63,13 +80,21 @@ Result<std::string> Retake(const SourceImage& source, const Sensor& sensor, cons
   return EncodeJpeg(picture, arguments.jpeg_quality);
 }
 
-/// The set's pictures as the rig would have handed them over.
-Result<ReconstructionInput> RetakeAll(const TruthSet& set, const Sensor& sensor, const BayerArguments& arguments) {
+Result<std::string> DisturbFile(const SourceImage& source, std::uint32_t seed, const BayerArguments& arguments,
+                                const Limits& limits) {
+  DRUPE_ASSIGN_OR_RETURN(const std::string bytes, source.read());
+  DRUPE_ASSIGN_OR_RETURN(RgbImage picture, DecodeRgb(bytes, limits));
+  Disturb(seed, picture);
+  return EncodeJpeg(picture, arguments.jpeg_quality);
+}
+
+/// The set with each picture's file made anew by make(index, picture).
+template <typename Make>
+Result<ReconstructionInput> RemakeAll(const TruthSet& set, const BayerArguments& arguments, const Make& make) {
   ReconstructionInput input = set.input;
   std::vector<Result<std::string>> files(input.images.size(), std::string());
-  DRUPE_RETURN_IF_ERROR(ParallelFor(arguments.sets.Context(), files.size(), [&](std::size_t i) {
-    files[i] = Retake(set.input.images[i], sensor, arguments, input.limits);
-  }));
+  DRUPE_RETURN_IF_ERROR(ParallelFor(arguments.sets.Context(), files.size(),
+                                    [&](std::size_t i) { files[i] = make(i, set.input.images[i]); }));
   for (std::size_t i = 0; i < files.size(); ++i) {
     DRUPE_RETURN_IF_ERROR(files[i].status());
     input.images[i].read = [file = std::move(*files[i])]() -> Result<std::string> { return file; };
@@ -94,11 +119,23 @@ std::vector<std::string> RowOf(const std::string& name, const PoseErrors& errors
 }
 
 Result<PoseErrors> MeasureRetaken(const TruthSet& set, const Sensor& sensor, const BayerArguments& arguments) {
-  DRUPE_ASSIGN_OR_RETURN(const ReconstructionInput input, RetakeAll(set, sensor, arguments));
+  const auto retake = [&](std::size_t, const SourceImage& source) {
+    return Retake(source, sensor, arguments, set.input.limits);
+  };
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructionInput input, RemakeAll(set, arguments, retake));
   return MeasurePoses(set, input, arguments);
 }
 
-/// Of the mosaics together: the means of their mean errors, and the fewest views registered.
+Result<PoseErrors> MeasureDisturbed(const TruthSet& set, int round, const BayerArguments& arguments) {
+  const auto disturb = [&](std::size_t i, const SourceImage& source) {
+    return DisturbFile(source, static_cast<std::uint32_t>(1000 * round + static_cast<int>(i)), arguments,
+                       set.input.limits);
+  };
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructionInput input, RemakeAll(set, arguments, disturb));
+  return MeasurePoses(set, input, arguments);
+}
+
+/// Of several runs together: the means of their mean errors, and the fewest views registered.
 PoseErrors MeanOf(const std::vector<PoseErrors>& each) {
   PoseErrors mean = each.front();
   mean.mean_centre_mm = mean.mean_rotation_deg = 0;
@@ -121,6 +158,13 @@ Status MeasureSet(const TruthSet& set, const BayerArguments& arguments) {
     mosaics.push_back(errors);
   }
   rows.push_back(RowOf("Bayer, mean", MeanOf(mosaics), files));
+  std::vector<PoseErrors> disturbed;
+  for (int round = 1; round <= arguments.chance; ++round) {
+    DRUPE_ASSIGN_OR_RETURN(const PoseErrors errors, MeasureDisturbed(set, round, arguments));
+    rows.push_back(RowOf("chance " + std::to_string(round), errors, files));
+    disturbed.push_back(errors);
+  }
+  if (!disturbed.empty()) rows.push_back(RowOf("chance, mean", MeanOf(disturbed), files));
   std::printf("%s: %zu pictures\n", set.name.c_str(), set.views.size());
   std::fputs(FormatTextTable({"pictures", "registered", "centre mm", "rotation deg", "centre"}, rows).c_str(), stdout);
   return Status::Ok();
@@ -142,6 +186,12 @@ void AddBayerBench(CLI::App& bench, int& exit_code) {
   AddSetArguments(*command, "Sets with images, calibration and truth.json", arguments->sets);
   command->add_option("--jpeg-quality", arguments->jpeg_quality, "Of the pictures that are coded")
       ->check(CLI::Range(50, 100))
+      ->capture_default_str();
+  command
+      ->add_option("--chance", arguments->chance,
+                   "So often also the pictures as files coded again, each time with one grey level more or less at\n"
+                   "other tenths of the pixels: how far poses move by chance")
+      ->check(CLI::Range(0, 100))
       ->capture_default_str();
   command->callback([arguments, &exit_code] { exit_code = BenchExitCode(Run(*arguments)); });
 }
