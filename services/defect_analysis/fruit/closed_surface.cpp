@@ -15,6 +15,7 @@ constexpr int kTableCells = 64;            // of the surface's table, a side of 
 constexpr double kPointsPerCell = 6;       // wanted in the cells whose medians are fitted
 constexpr double kSmoothness = 1e-8;       // see FitSphericalFunction
 constexpr double kMirrorWeight = 0.05;     // of a mirrored direction against a seen one
+constexpr double kPole = 0.5;              // radians about the seen pole that are not mirrored
 constexpr double kMinScaleShare = 0.0008;  // of the radius: scale below which the re-weighting does not go
 constexpr std::size_t kSphereSample = 5000;
 
@@ -89,7 +90,8 @@ double EquatorHeight(const SeenCells& seen, const Eigen::VectorXd& weights, cons
 }
 
 // Fits once more with the unseen directions filled, at a small weight, by the radius on the other side of the equator:
-// fruit is nearly symmetric about it, and where nothing was seen that is a better guess than a guess at curvature.
+// fruit is nearly symmetric about it, and where nothing was seen that is a better guess than a guess at curvature. Only
+// the poles differ: a stalk's hollow or a tip at the one is not at the other, which the flanks are continued over.
 Result<SphericalFunction> CloseByMirror(const SeenCells& seen, const Eigen::VectorXd& weights, const CubeMap& map,
                                         const SphericalFunction& open, const Eigen::Vector3d& up, int degree) {
   std::vector<std::uint8_t> is_seen(map.size(), 0);
@@ -101,6 +103,7 @@ Result<SphericalFunction> CloseByMirror(const SeenCells& seen, const Eigen::Vect
     const Eigen::Vector3d direction = map.DirectionOf(cell);
     const Eigen::Vector3d mirrored = direction - 2 * up.dot(direction) * up;
     if (is_seen[cell] != 0 || is_seen[map.CellOf(mirrored.cast<float>())] == 0) continue;
+    if (up.dot(mirrored) > std::cos(kPole)) continue;
     directions.push_back(direction);
     radii.push_back(open.At(mirrored)[0]);
     all_weights.push_back(kMirrorWeight);

@@ -18,9 +18,9 @@ struct ClosedSurface {
 
 /// Fits the distance to the skin as a function of direction: spherical harmonics of rising degree through the median
 /// radius of each cell of directions, re-weighted by Tukey's biweight, which drops the needle and stray points. What no
-/// view saw (the underside) is closed by the mirror image of the opposite side about the equator across `up`, at a
-/// small weight, joined to the seen skin by the continuation of least bending (FitSphericalFunction). Errors: 422
-/// `not_a_fruit` when the points do not surround a centre.
+/// view saw (the underside) is closed by the mirror image of the opposite side about the equator across `up`, all but
+/// its pole, at a small weight, joined to the seen skin by the continuation of least bending (FitSphericalFunction).
+/// Errors: 422 `not_a_fruit` when the points do not surround a centre.
 Result<ClosedSurface> FitClosedSurface(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& up,
                                        const FruitOptions& options);
 

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "defect_analysis/fruit/closed_surface.h"
 #include "defect_analysis/fruit/extract_fruits.h"
 #include "defect_analysis/fruit/ground.h"
@@ -40,6 +43,23 @@ TEST(FitClosedSurface, AreaAndVolumeOfAnEllipsoid) {
   EXPECT_NEAR(closed->surface.Volume() / fruit.Volume(), 1, 0.01);
   EXPECT_NEAR(closed->observed_share, 0.9, 0.03);
   EXPECT_LT(closed->residual_mm, 0.03);
+}
+
+// The flanks are continued over the unseen pole; what is at the seen one alone, a tip or the stalk's hollow, is not.
+TEST(FitClosedSurface, ATipIsNotMirroredToTheUnseenPole) {
+  for (const double tip : {1.0, -1.0}) {
+    std::vector<Eigen::Vector3d> points;
+    constexpr int kPoints = 60000;
+    for (int k = 0; k < kPoints; ++k) {
+      const double z = 1 - (2.0 * k + 1) / kPoints, azimuth = 2 * std::numbers::pi * std::numbers::phi * k;
+      if (z < -0.75) continue;
+      const double ring = std::sqrt(1 - z * z), radius = 18 + tip * std::exp(-std::pow(std::acos(z) / 0.25, 2));
+      points.emplace_back(radius * ring * std::cos(azimuth), radius * ring * std::sin(azimuth), radius * z);
+    }
+    const auto closed = FitClosedSurface(points, Eigen::Vector3d::UnitZ(), {});
+    ASSERT_TRUE(closed.ok());
+    EXPECT_NEAR(closed->surface.PointAt(-Eigen::Vector3d::UnitZ()).z(), -18, 0.25);
+  }
 }
 
 TEST(FitClosedSurface, APlaneIsNoFruit) {
@@ -91,6 +111,24 @@ TEST(MeasureTraits, SphereHasSphericityOne) {
   EXPECT_NEAR(fruit.sphericity, 1, 0.001);
   EXPECT_NEAR(fruit.equatorial_diameter_mm, 36, 0.05);
   EXPECT_NEAR(fruit.observed_surface_pct, 90, 3);
+}
+
+// A ball whose closed surface passes over a groove of a twentieth of its points, 1 mm deep.
+TEST(MeasureTraits, AGrooveThatTheSurfacePassesOverIsNoPartOfTheVolume) {
+  FruitCloud fruit;
+  fruit.surface =
+      FruitSurface(Eigen::Vector3d::Zero(), CubeTable<float>::Of(64, [](const Eigen::Vector3d&) { return 18.0f; }));
+  constexpr int kPoints = 200000;
+  for (int k = 0; k < kPoints; ++k) {
+    const double z = 1 - (2.0 * k + 1) / kPoints, azimuth = 2 * std::numbers::pi * std::numbers::phi * k;
+    const double ring = std::sqrt(1 - z * z);
+    const Eigen::Vector3d d(ring * std::cos(azimuth), ring * std::sin(azimuth), z);
+    const bool groove = std::abs(std::atan2(d.y(), d.x())) < std::numbers::pi / 20;
+    fruit.offsets.push_back(((groove ? 17 : 18) * d).cast<float>());
+    fruit.lab.push_back(Eigen::Vector3f::Zero());
+  }
+  const double ball = 4.0 / 3 * std::numbers::pi * 18 * 18 * 18, groove = ball * (1 - std::pow(17.0 / 18, 3)) / 20;
+  EXPECT_NEAR((ball - MeasureTraits(fruit).volume_mm3) / groove, 1, 0.1);
 }
 
 TEST(ParseFruitOptions, NamesTheFieldOutOfRange) {
