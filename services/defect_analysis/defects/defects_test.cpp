@@ -294,16 +294,16 @@ TEST(StandsOut, AnEvenSpotOfGlossDoesNotAndAPaleOneThatIsNotQuiteWhiteDoes) {
   EXPECT_FALSE(StandsOut(field, 9, {}));
 }
 
-// Yellow skin that bleaching made brighter in its own hue and white at once, just as gloss does: no colour tells them
-// apart, but gloss has no border as sharp as a stain's.
-TEST(StandsOut, ASpotInTheColourOfGlossDoesByABorderTooSharpForGloss) {
+// Yellow skin that bleaching made brighter by nearly white light, and gloss by white: so near the two, the border
+// counts too.
+TEST(StandsOut, ASpotNearlyInTheColourOfGlossDoesByABorderTooSharpForGloss) {
   const FruitSurface surface = Sphere(18);
   TransitionField field = DiscField(surface, false, false);
   field.noise = 0.05;
   field.blur = 0.06;
-  field.healthy_linear = {0.233, 0.195, 0.043};
-  field.defect_linear = {0.391, 0.354, 0.194};
-  const auto stands_out = [&](double edge_mm) {
+  field.healthy_linear = {0.256, 0.200, 0.044};
+  const auto stands_out = [&](const Eigen::Vector3d& colour, double edge_mm) {
+    field.defect_linear = colour;
     for (int row = 0; row < field.height; ++row) {
       for (int column = 0; column < field.width; ++column) {
         const double level = 0.5 + (1 - field.FlatOf(column, row).norm()) / edge_mm;
@@ -314,8 +314,10 @@ TEST(StandsOut, ASpotInTheColourOfGlossDoesByABorderTooSharpForGloss) {
     field.full_level = field.level;
     return StandsOut(field, 9, {});
   };
-  EXPECT_TRUE(stands_out(0.25));
-  EXPECT_FALSE(stands_out(0.45));
+  const Eigen::Vector3d bleached(0.378, 0.299, 0.159), glossy = field.healthy_linear + Eigen::Vector3d::Constant(0.11);
+  EXPECT_TRUE(stands_out(bleached, 0.25));
+  EXPECT_FALSE(stands_out(bleached, 0.45));
+  EXPECT_FALSE(stands_out(glossy, 0.25));
 }
 
 TEST(StandsOut, NotFromSkinThatIsAsUneven) {

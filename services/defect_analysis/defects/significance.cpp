@@ -14,6 +14,7 @@ constexpr double kGrey = 0.1;       // of the mean: channels that differ less do
 constexpr double kMostLit = 1.5;    // times the skin beside a spot: within it, light changes more at a shadow only
 constexpr double kOwnLight = 0.08;  // by which gloss leaves the gain of the skin's own light at 1
 constexpr double kTint = 0.5;  // of significance_delta_e: lamps are not so coloured that their gloss differs by more
+constexpr double kSharpTint = 0.25;  // the same where the border is sharper than gloss is wont to have
 // mm over which the level would fall from 1 to 0: what borders gloss is the lamp's edge, blurred by the skin's own
 // roughness, some hundredths of a radian times half the fruit's radius at least.
 constexpr double kSharpestGloss = 0.2;
@@ -59,10 +60,12 @@ double WeightedDifference(const Eigen::Vector3d& colour, const Eigen::Vector3d& 
   return difference.norm();
 }
 
-// Whether a round, even spot has a border that gloss of any colour cannot have.
+// Whether a round, even spot is nearly in the colour of gloss, but has a border too sharp for it.
 bool IsTooSharpForGloss(const TransitionField& field, double threshold, const DefectOptions& options) {
   const double level = options.contour.level, min_area = options.cluster.min_area_mm2;
-  if (Contrast(field, options.segmentation.lightness_weight) < threshold) return false;
+  const double weight = options.segmentation.lightness_weight;
+  const double tint = kSharpTint * options.segmentation.significance_delta_e;
+  if (Contrast(field, weight) < threshold || ContrastBeyondLight(field, weight) < tint) return false;
   if (!HasStainsEdge(field, level, min_area) || !HasEvenEdge(field, level, min_area)) return false;
   const std::optional<double> width = EdgeWidth(field, level, min_area);
   return width && *width < kSharpestGloss;
