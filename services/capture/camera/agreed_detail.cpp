@@ -10,7 +10,8 @@ constexpr int kWritten = 1;  ///< into the margin
 constexpr int kAround = 3;   ///< cells on all sides of one, over which agreement is sought
 
 /// Of what differences measured across and down have more than the filtered ones, u and v, and of how much they bend
-/// from pixel to pixel, p and q: sums of 2 u v and of u^2 + v^2 + (p^2 + q^2) / 2, over columns of cells from 3 above a
+/// from pixel to pixel, p and q, and by how much samples change, s and t: sums of 2 u v and of
+/// u^2 + v^2 + (p^2 + q^2) / 2 + s^2 + t^2, over columns of cells from 3 above a
 /// row to 3 below it, which move down row by row.
 class ProductSums {
  public:
@@ -38,11 +39,14 @@ class ProductSums {
     const std::int16_t* filtered = filtered_.Row(y) - kReach;
     const std::int16_t *across = measured_.across.of_three.Row(y) - kReach, *a = measured_.across.own.Row(y) - kReach;
     const std::int16_t *down = measured_.down.of_three.Row(y) - kReach, *d = measured_.down.own.Row(y) - kReach;
+    const std::int16_t* a_step = measured_.across.step.Row(y) - kReach;
+    const std::int16_t* d_step = measured_.down.step.Row(y) - kReach;
     for (std::size_t i = 0; i < common_.size(); ++i) {
       const int u = (across[i] - 3 * filtered[i]) >> 1, v = (down[i] - 3 * filtered[i]) >> 1;
       const int p = (across[i] - 3 * a[i]) >> 1, q = (down[i] - 3 * d[i]) >> 1;
       common_[i] += sign * 2 * u * v;
-      all_[i] += sign * (u * u + v * v + ((p * p + q * q) >> 1));
+      const int steps = a_step[i] * a_step[i] + d_step[i] * d_step[i];
+      all_[i] += sign * (u * u + v * v + ((p * p + q * q) >> 1) + steps);
     }
   }
 

@@ -110,21 +110,25 @@ inline Value Weighed(const Value* across, const Value* down, std::ptrdiff_t stri
 }
 
 /// Red's, or blue's, from the cells' pixels at (place_x, place_y).
-MeasuredColour Collect(const Direction& across, const Direction& down, int columns, int rows, int place_x,
-                       int place_y) {
+MeasuredColour Collect(const Lattice& samples, const Direction& across, const Direction& down, int columns, int rows,
+                       int place_x, int place_y) {
   const Lattice empty(columns, rows);
-  MeasuredColour colour{empty, {empty, empty}, {empty, empty}};
+  MeasuredColour colour{empty, {empty, empty, empty}, {empty, empty, empty}};
   const std::ptrdiff_t stride = down.step;
   for (int j = -kMeasuredReach; j < rows + kMeasuredReach; ++j) {
     const int y = 2 * j + place_y;
     const Value *a = across.contrasts.Row(y) + place_x, *d = down.contrasts.Row(y) + place_x;
     const Value *a_changes = across.changes.Row(y) + place_x, *d_changes = down.changes.Row(y) + place_x;
     Value *difference = colour.difference.Row(j), *a_own = colour.across.own.Row(j), *d_own = colour.down.own.Row(j);
+    const Value* s = samples.Row(y) + place_x;
+    Value *a_step = colour.across.step.Row(j), *d_step = colour.down.step.Row(j);
     Value *a_sum = colour.across.of_three.Row(j), *d_sum = colour.down.of_three.Row(j);
     for (int i = -kMeasuredReach; i < columns + kMeasuredReach; ++i) {
       const int x = 2 * i;
       difference[i] = Weighed(a + x, d + x, stride, a_changes + x, d_changes + x);
       a_own[i] = a[x], d_own[i] = d[x];
+      a_step[i] = static_cast<Value>(s[x + 2] - s[x - 2]);
+      d_step[i] = static_cast<Value>(s[x + 2 * stride] - s[x - 2 * stride]);
       a_sum[i] = static_cast<Value>(a[x] - a[x - 1] - a[x + 1]);
       d_sum[i] = static_cast<Value>(d[x] - d[x - stride] - d[x + stride]);
     }
@@ -138,8 +142,8 @@ ColourDifferences MeasureDifferences(const std::uint8_t* mosaic, int width, int 
   const Lattice samples = Mirrored(mosaic, width, height);
   const Direction across(samples, 1), down(samples, samples.stride());
   const int columns = (width + red.x + 1) / 2, rows = (height + red.y + 1) / 2;
-  return {Collect(across, down, columns, rows, -red.x, -red.y),
-          Collect(across, down, columns, rows, 1 - red.x, 1 - red.y)};
+  return {Collect(samples, across, down, columns, rows, -red.x, -red.y),
+          Collect(samples, across, down, columns, rows, 1 - red.x, 1 - red.y)};
 }
 
 }  // namespace drupe

@@ -11,6 +11,7 @@ namespace drupe {
 struct LineDifferences {
   Lattice own;       ///< at the pixel
   Lattice of_three;  ///< the sum of those at the pixel and the two beside it
+  Lattice step;      ///< from the colour's sample before the pixel to the one after it, grey levels
 };
 
 /// A colour less green at the pixels behind its filter, in 1 / kLevelSteps grey levels. Column i and row j are the

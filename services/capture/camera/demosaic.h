@@ -24,9 +24,11 @@ struct RedPlace {
 ///    pixel.
 /// 4. What 2. and 3. took away was noise, or an edge that spoilt one direction, unless rows and columns tell the same:
 ///    let u and v be what three pixels of the row and of the column tell less 3. smoothed once more, p and q how much
-///    the three bend, as at edges sharper than the mosaic, and r the sum of 2 u v over that of
-///    u^2 + v^2 + (p^2 + q^2) / 2 within 7 x 7 measured pixels. Where r is more than a half, 8 (2 r - 1) / (7 (2 r -
-///    1) + 1) of what was taken away is given back, so that clean frames with sharp colours stay sharp.
+///    the three bend, and s and t how much the samples change about the pixel: edges sharper than the mosaic, such as
+///    those of black markers on white paper, spoil both directions alike, in proportion to their height. Let r be the
+///    sum of 2 u v over that of u^2 + v^2 + (p^2 + q^2) / 2 + s^2 + t^2 within 7 x 7 measured pixels, u, v, p and q in
+///    1 / 6 grey levels and s and t in whole ones. Where r is more than a half, 8 (2 r - 1) / (7 (2 r - 1) + 1) of what
+///    was taken away is given back, so that clean frames with sharp colours stay sharp.
 /// At the border pixels are mirrored.
 RgbImage Demosaic(const std::uint8_t* mosaic, int width, int height, RedPlace red);
 

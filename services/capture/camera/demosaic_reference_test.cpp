@@ -117,7 +117,9 @@ class PlainDemosaic {
         const int bend_across = (Thrice(u, v, 1, 0) - 3 * Contrast(u, v, 1, 0)) >> 1;
         const int bend_down = (Thrice(u, v, 0, 1) - 3 * Contrast(u, v, 0, 1)) >> 1;
         common += 2 * across * down;
+        const int step_across = Sample(u + 2, v) - Sample(u - 2, v), step_down = Sample(u, v + 2) - Sample(u, v - 2);
         all += across * across + down * down + ((bend_across * bend_across + bend_down * bend_down) >> 1);
+        all += step_across * step_across + step_down * step_down;
       }
     }
     const float agreed = 2 * static_cast<float>(common) - static_cast<float>(all);
