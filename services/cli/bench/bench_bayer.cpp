@@ -1,8 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <random>
 #include <string>
@@ -102,71 +104,122 @@ Result<ReconstructionInput> RemakeAll(const TruthSet& set, const BayerArguments&
   return input;
 }
 
-Result<PoseErrors> MeasurePoses(const TruthSet& set, const ReconstructionInput& input,
-                                const BayerArguments& arguments) {
+/// Poses of one run of the pipeline.
+struct Poses {
+  PoseErrors errors;
+  std::map<std::string, Eigen::Vector3d> centres;  ///< of the cameras by picture, in the truth's frame, mm
+  double moved_um = 0;                             ///< root mean square distance from those of the files
+};
+
+Result<Poses> MeasurePoses(const TruthSet& set, const ReconstructionInput& input, const BayerArguments& arguments) {
   ReconstructionOptions options;
   options.run_dense = false;
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOutput output,
                          RunReconstruction(input, options, arguments.sets.Context()));
-  return ComparePoses(set, output.model.views);
+  Poses poses;
+  DRUPE_ASSIGN_OR_RETURN(poses.errors, ComparePoses(set, output.model.views));
+  for (const View& view : output.model.views) {
+    if (view.cam_from_world) {
+      poses.centres[Stem(view.image)] = poses.errors.truth_from_model * view.cam_from_world->Centre();
+    }
+  }
+  return poses;
 }
 
-std::vector<std::string> RowOf(const std::string& name, const PoseErrors& errors, const PoseErrors& from_files) {
-  const double more_percent = 100 * (errors.mean_centre_mm / from_files.mean_centre_mm - 1);
-  return {name, std::to_string(errors.registered) + "/" + std::to_string(errors.of),
-          FixedText(errors.mean_centre_mm, 5), FixedText(errors.mean_rotation_deg, 5),
-          (more_percent < 0 ? "" : "+") + FixedText(more_percent, 1) + " %"};
+double DistanceUm(const Poses& a, const Poses& b) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& [image, centre] : a.centres) {
+    const auto other = b.centres.find(image);
+    if (other == b.centres.end()) continue;
+    sum += (centre - other->second).squaredNorm(), ++count;
+  }
+  return 1000 * std::sqrt(sum / std::max(count, 1));
 }
 
-Result<PoseErrors> MeasureRetaken(const TruthSet& set, const Sensor& sensor, const BayerArguments& arguments) {
-  const auto retake = [&](std::size_t, const SourceImage& source) {
-    return Retake(source, sensor, arguments, set.input.limits);
-  };
-  DRUPE_ASSIGN_OR_RETURN(const ReconstructionInput input, RemakeAll(set, arguments, retake));
-  return MeasurePoses(set, input, arguments);
-}
-
-Result<PoseErrors> MeasureDisturbed(const TruthSet& set, int round, const BayerArguments& arguments) {
-  const auto disturb = [&](std::size_t i, const SourceImage& source) {
-    return DisturbFile(source, static_cast<std::uint32_t>(1000 * round + static_cast<int>(i)), arguments,
-                       set.input.limits);
-  };
-  DRUPE_ASSIGN_OR_RETURN(const ReconstructionInput input, RemakeAll(set, arguments, disturb));
-  return MeasurePoses(set, input, arguments);
-}
-
-/// Of several runs together: the means of their mean errors, and the fewest views registered.
-PoseErrors MeanOf(const std::vector<PoseErrors>& each) {
-  PoseErrors mean = each.front();
-  mean.mean_centre_mm = mean.mean_rotation_deg = 0;
-  for (const PoseErrors& errors : each) {
-    mean.registered = std::min(mean.registered, errors.registered);
-    mean.mean_centre_mm += errors.mean_centre_mm / static_cast<double>(each.size());
-    mean.mean_rotation_deg += errors.mean_rotation_deg / static_cast<double>(each.size());
+/// Of several runs together: the means of their figures, and the fewest views registered.
+Poses MeanOf(const std::vector<Poses>& each) {
+  Poses mean;
+  mean.errors.registered = mean.errors.of = each.front().errors.of;
+  const auto count = static_cast<double>(each.size());
+  for (const Poses& poses : each) {
+    mean.errors.registered = std::min(mean.errors.registered, poses.errors.registered);
+    mean.errors.mean_centre_mm += poses.errors.mean_centre_mm / count;
+    mean.errors.mean_rotation_deg += poses.errors.mean_rotation_deg / count;
+    mean.moved_um += poses.moved_um / count;
   }
   return mean;
 }
 
+/// One set's table.
+class BayerTable {
+ public:
+  BayerTable(const TruthSet& set, const BayerArguments& arguments) : set_(set), arguments_(arguments) {}
+
+  Status Measure() {
+    DRUPE_ASSIGN_OR_RETURN(files_, MeasurePoses(set_, set_.input, arguments_));
+    AddRow("the files", files_);
+    DRUPE_RETURN_IF_ERROR(Add(kColour.name, Retaken(kColour)).status());
+    std::vector<Poses> mosaics, disturbed;
+    for (const Sensor& sensor : kMosaics) {
+      DRUPE_ASSIGN_OR_RETURN(mosaics.emplace_back(), Add(sensor.name, Retaken(sensor)));
+    }
+    AddRow("Bayer, mean", MeanOf(mosaics));
+    for (int round = 1; round <= arguments_.chance; ++round) {
+      DRUPE_ASSIGN_OR_RETURN(disturbed.emplace_back(), Add("chance " + std::to_string(round), Disturbed(round)));
+    }
+    if (!disturbed.empty()) AddRow("chance, mean", MeanOf(disturbed));
+    return Status::Ok();
+  }
+
+  void Print() const {
+    std::printf("%s: %zu pictures\n", set_.name.c_str(), set_.views.size());
+    const std::vector<std::string> header = {"pictures",     "registered", "centre mm",
+                                             "rotation deg", "centre",     "moved um"};
+    std::fputs(FormatTextTable(header, rows_).c_str(), stdout);
+    std::fflush(stdout);
+  }
+
+ private:
+  Result<ReconstructionInput> Retaken(const Sensor& sensor) const {
+    return RemakeAll(set_, arguments_, [&](std::size_t, const SourceImage& source) {
+      return Retake(source, sensor, arguments_, set_.input.limits);
+    });
+  }
+
+  Result<ReconstructionInput> Disturbed(int round) const {
+    return RemakeAll(set_, arguments_, [&](std::size_t i, const SourceImage& source) {
+      const auto seed = static_cast<std::uint32_t>(1000 * round + static_cast<int>(i));
+      return DisturbFile(source, seed, arguments_, set_.input.limits);
+    });
+  }
+
+  Result<Poses> Add(const std::string& name, const Result<ReconstructionInput>& input) {
+    DRUPE_RETURN_IF_ERROR(input.status());
+    DRUPE_ASSIGN_OR_RETURN(Poses poses, MeasurePoses(set_, *input, arguments_));
+    poses.moved_um = DistanceUm(poses, files_);
+    AddRow(name, poses);
+    return poses;
+  }
+
+  void AddRow(const std::string& name, const Poses& poses) {
+    const PoseErrors& errors = poses.errors;
+    const double more_percent = 100 * (errors.mean_centre_mm / files_.errors.mean_centre_mm - 1);
+    rows_.push_back({name, std::to_string(errors.registered) + "/" + std::to_string(errors.of),
+                     FixedText(errors.mean_centre_mm, 5), FixedText(errors.mean_rotation_deg, 5),
+                     (more_percent < 0 ? "" : "+") + FixedText(more_percent, 1) + " %", FixedText(poses.moved_um, 2)});
+  }
+
+  const TruthSet& set_;
+  const BayerArguments& arguments_;
+  Poses files_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
 Status MeasureSet(const TruthSet& set, const BayerArguments& arguments) {
-  DRUPE_ASSIGN_OR_RETURN(const PoseErrors files, MeasurePoses(set, set.input, arguments));
-  DRUPE_ASSIGN_OR_RETURN(const PoseErrors recoded, MeasureRetaken(set, kColour, arguments));
-  std::vector<std::vector<std::string>> rows = {RowOf("the files", files, files), RowOf(kColour.name, recoded, files)};
-  std::vector<PoseErrors> mosaics;
-  for (const Sensor& sensor : kMosaics) {
-    DRUPE_ASSIGN_OR_RETURN(const PoseErrors errors, MeasureRetaken(set, sensor, arguments));
-    rows.push_back(RowOf(sensor.name, errors, files));
-    mosaics.push_back(errors);
-  }
-  rows.push_back(RowOf("Bayer, mean", MeanOf(mosaics), files));
-  std::vector<PoseErrors> disturbed;
-  for (int round = 1; round <= arguments.chance; ++round) {
-    DRUPE_ASSIGN_OR_RETURN(const PoseErrors errors, MeasureDisturbed(set, round, arguments));
-    rows.push_back(RowOf("chance " + std::to_string(round), errors, files));
-    disturbed.push_back(errors);
-  }
-  if (!disturbed.empty()) rows.push_back(RowOf("chance, mean", MeanOf(disturbed), files));
-  std::printf("%s: %zu pictures\n", set.name.c_str(), set.views.size());
-  std::fputs(FormatTextTable({"pictures", "registered", "centre mm", "rotation deg", "centre"}, rows).c_str(), stdout);
+  BayerTable table(set, arguments);
+  DRUPE_RETURN_IF_ERROR(table.Measure());
+  table.Print();
   return Status::Ok();
 }
 
