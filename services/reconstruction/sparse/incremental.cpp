@@ -23,7 +23,9 @@ constexpr double kCompletionSigmas = 3.0;  // what nobody has matched must lie c
 constexpr double kLossSigmas = 2.385;      // scale of Cauchy's loss that keeps 95 % of the efficiency (Zhang 1997)
 constexpr double kRoughSigmas = 0.03;  // of a step of the poses, after which an adjustment that others follow ends, ...
 constexpr double kFinalSigmas = 0.003;  // ... and the last one
-constexpr double kMinNoisePx = 0.02;    // a noise below is not believed: it would switch the other kind off
+constexpr int kMostCameraRounds = 12;
+constexpr double kCameraRests = 1e-4;  // relative change of the focal length in a round, below which it has settled
+constexpr double kMinNoisePx = 0.02;   // a noise below is not believed: it would switch the other kind off
 
 TriangulationOptions TriangulationFrom(const SparseOptions& options) {
   TriangulationOptions triangulation;
@@ -153,7 +155,6 @@ class Growth {
     AdjustmentOptions adjustment = LossesFrom(options_);
     adjustment.max_iterations = 10;
     adjustment.function_tolerance = 1e-4;
-    adjustment.pose_tolerance_sigmas = kRoughSigmas;
     const bool is_global = state_.RegisteredCount() >= kGlobalGrowth * last_global_count_;
     if (is_global) last_global_count_ = state_.RegisteredCount();
     const AdjustmentScope scope = is_global ? AdjustmentScope::Everything(state_) : Neighbourhood(state_, view);
@@ -184,6 +185,72 @@ bool DropWeakViews(const SparseOptions& options, SfmState& state) {
   return dropped;
 }
 
+/// The last rounds of adjustment and clean-up; each weighs by the noise that the one before found.
+class Finish {
+ public:
+  Finish(const SparseInput& input, const SparseOptions& options, const RunContext& context, SfmState& state)
+      : input_(input),
+        options_(options),
+        context_(context),
+        state_(state),
+        triangulation_(TriangulationFrom(options)),
+        adjustment_(LossesFrom(options)) {
+    adjustment_.refine_intrinsics = input.refine_intrinsics;
+  }
+
+  Result<NoiseLevels> Run() {
+    DRUPE_RETURN_IF_ERROR(SettleCamera());
+    context_.Report("sparse", 0.85);
+    if (options_.complete_tracks) DRUPE_RETURN_IF_ERROR(Complete());
+    adjustment_.function_tolerance = 1e-7;
+    adjustment_.pose_tolerance_sigmas = kFinalSigmas;
+    DRUPE_RETURN_IF_ERROR(Round());
+    context_.Report("sparse", 1);
+    return noise_;
+  }
+
+ private:
+  /// One round; where the intrinsics are refined as many as they move in: a better camera brings back observations,
+  /// which make a better camera.
+  Status SettleCamera() {
+    adjustment_.function_tolerance = 1e-4;
+    adjustment_.pose_tolerance_sigmas = kRoughSigmas;
+    for (int round = 0; round < kMostCameraRounds; ++round) {
+      const double focal = state_.FocalPx();
+      DRUPE_RETURN_IF_ERROR(Round());
+      if (!input_.refine_intrinsics || std::abs(state_.FocalPx() / focal - 1) < kCameraRests) break;
+    }
+    return Status::Ok();
+  }
+
+  Status Round() {
+    DRUPE_RETURN_IF_ERROR(AdjustBundle(state_, AdjustmentScope::Everything(state_), adjustment_, context_));
+    noise_ = EstimateNoise(state_);
+    adjustment_.feature_sigma_px = std::max(kMinNoisePx, noise_.feature_px);
+    adjustment_.feature_loss_px = std::min(options_.feature_loss_px, kLossSigmas * adjustment_.feature_sigma_px);
+    adjustment_.board_sigma_px = std::max(kMinNoisePx, noise_.board_px);
+    triangulation_.max_error_px =
+        std::min(options_.max_reprojection_error_px, std::max(kMinGatePx, kGateSigmas * noise_.feature_px));
+    DRUPE_RETURN_IF_ERROR(UpdateTracks(state_, triangulation_, context_));
+    if (DropWeakViews(options_, state_)) DRUPE_RETURN_IF_ERROR(UpdateTracks(state_, triangulation_, context_));
+    DropStrayTracks(state_);
+    return Status::Ok();
+  }
+
+  Status Complete() {
+    const double max_error_px = kCompletionSigmas * adjustment_.feature_sigma_px;
+    return CompleteTracks(input_.features, input_.matches->is_static, max_error_px, context_, state_).status();
+  }
+
+  const SparseInput& input_;
+  const SparseOptions& options_;
+  const RunContext& context_;
+  SfmState& state_;
+  TriangulationOptions triangulation_;
+  AdjustmentOptions adjustment_;
+  NoiseLevels noise_;
+};
+
 }  // namespace
 
 AdjustmentOptions LossesFrom(const SparseOptions& options) {
@@ -203,7 +270,6 @@ Status SettleModel(const SparseOptions& options, const RunContext& context, SfmS
   AdjustmentOptions adjustment = LossesFrom(options);
   adjustment.max_iterations = 10;
   adjustment.function_tolerance = 1e-3;
-  adjustment.pose_tolerance_sigmas = kRoughSigmas;
   DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
   return UpdateTracks(state, TriangulationFrom(options), context);
 }
@@ -220,35 +286,7 @@ Status CloseSeams(const SparseOptions& options, const RunContext& context, SfmSt
 
 Result<NoiseLevels> FinishModel(const SparseInput& input, const SparseOptions& options, const RunContext& context,
                                 SfmState& state) {
-  TriangulationOptions triangulation = TriangulationFrom(options);
-  AdjustmentOptions adjustment = LossesFrom(options);
-  adjustment.refine_intrinsics = input.refine_intrinsics;
-  adjustment.function_tolerance = 1e-4;
-  NoiseLevels noise;
-  const int rounds =
-      input.refine_intrinsics ? 4 : 2;  // a better camera brings back observations, which make a better camera
-  for (int round = 0; round < rounds; ++round) {
-    const bool is_last = round + 1 == rounds;
-    if (is_last) adjustment.function_tolerance = 1e-7;
-    adjustment.pose_tolerance_sigmas = is_last ? kFinalSigmas : kRoughSigmas;
-    DRUPE_RETURN_IF_ERROR(AdjustBundle(state, AdjustmentScope::Everything(state), adjustment, context));
-    context.Report("sparse", 0.7 + 0.3 * (round + 1) / rounds);
-    noise = EstimateNoise(state);
-    adjustment.feature_sigma_px = std::max(kMinNoisePx, noise.feature_px);
-    adjustment.feature_loss_px = std::min(options.feature_loss_px, kLossSigmas * adjustment.feature_sigma_px);
-    adjustment.board_sigma_px = std::max(kMinNoisePx, noise.board_px);
-    triangulation.max_error_px =
-        std::min(options.max_reprojection_error_px, std::max(kMinGatePx, kGateSigmas * noise.feature_px));
-    DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
-    if (DropWeakViews(options, state)) DRUPE_RETURN_IF_ERROR(UpdateTracks(state, triangulation, context));
-    DropStrayTracks(state);
-    if (options.complete_tracks && round + 2 == rounds) {
-      const double max_error_px = kCompletionSigmas * adjustment.feature_sigma_px;
-      DRUPE_RETURN_IF_ERROR(
-          CompleteTracks(input.features, input.matches->is_static, max_error_px, context, state).status());
-    }
-  }
-  return noise;
+  return Finish(input, options, context, state).Run();
 }
 
 }  // namespace drupe
