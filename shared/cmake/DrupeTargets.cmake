@@ -1,7 +1,8 @@
 # One target a folder, with explicit links.
 #
 #   drupe_library(drupe_store SOURCES a.cpp b.cpp PUBLIC drupe_base PRIVATE OpenSSL::Crypto)
-#   drupe_library(drupe_dense ALONE blur.cpp SOURCES ...)      ALONE: those that read themselves once per instruction set
+#   drupe_library(drupe_dense ALONE blur.cpp SOURCES ...)      ALONE: those that read themselves once per instruction set,
+#                                                              or take long by themselves
 #   drupe_library(drupe_http LIGHT SOURCES ...)                LIGHT: no work on pictures and points, so optimised less
 #   drupe_library(drupe_sparse DEAR SOURCES ...)               DEAR: takes long to compile, so fewer sources at a time
 #   drupe_program(drupe-capture SOURCES main.cpp PRIVATE drupe_http)
@@ -17,7 +18,11 @@
 # alone, and so finds a forgotten #include.
 option(DRUPE_UNITY "Compile the sources of a target twelve at a time" ON)
 
-function(drupe_join_sources name batch)
+function(drupe_join_sources name is_dear)
+  set(batch 12)
+  if(is_dear)
+    set(batch 6)
+  endif()
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${DRUPE_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
@@ -30,11 +35,7 @@ function(drupe_library name)
   endif()
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  set(batch 12)
-  if(ARG_DEAR)
-    set(batch 6)
-  endif()
-  drupe_join_sources(${name} ${batch} ${ARG_ALONE})
+  drupe_join_sources(${name} "${ARG_DEAR}" ${ARG_ALONE})
 endfunction()
 
 function(drupe_program name)
@@ -44,11 +45,11 @@ function(drupe_program name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/shared ${PROJECT_SOURCE_DIR}/services)
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
-  drupe_join_sources(${name} 12)
+  drupe_join_sources(${name} FALSE)
 endfunction()
 
 function(drupe_test name)
-  cmake_parse_arguments(ARG "WHOLE" "TIMEOUT;LOCK" "SOURCES;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "WHOLE;DEAR" "TIMEOUT;LOCK" "SOURCES;PRIVATE" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -60,7 +61,7 @@ function(drupe_test name)
   target_compile_options(${name} PRIVATE ${drupe_light_options})
   target_compile_definitions(${name} PRIVATE DRUPE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data")
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} GTest::gtest_main)
-  drupe_join_sources(${name} 12)
+  drupe_join_sources(${name} "${ARG_DEAR}")
   if(ARG_WHOLE)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES ${properties})

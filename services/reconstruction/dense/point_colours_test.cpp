@@ -90,10 +90,10 @@ struct LitBall {
       for (int x = 0; x < 100; ++x) {
         const Eigen::Vector3d ray = view.camera.Ray(x, y).normalized();
         const double along = -view.centre.dot(ray);
-        const double chord2 = kBallRadius * kRadius - (view.centre.squaredNorm() - along * along);
+        const double chord2 = kBallRadius * kBallRadius - (view.centre.squaredNorm() - along * along);
         const Eigen::Vector3d hit = view.centre + ray * (along - std::sqrt(std::max(chord2, 0.0)));
         for (int c = 0; c < 3; ++c) view.rgb.At(x, y, c) = static_cast<std::uint8_t>(kGrey * Lit(hit.normalized()));
-        if (chord2 < 0.3 * kBallRadius * kRadius) continue;  // the outline, where pixels mix
+        if (chord2 < 0.3 * kBallRadius * kBallRadius) continue;  // the outline, where pixels mix
         cloud.positions.push_back(hit.cast<float>());
         cloud.normals.push_back(hit.normalized().cast<float>());
         cloud.view_counts.push_back(3);
