@@ -83,10 +83,11 @@ class DistributedAdjustment {
     for (const ShareElimination& share : shares_) share.AddReduced(normal, gradient, diagonal);
     normal.diagonal() += damping * diagonal.cwiseMax(1e-6);
     shared_step_ = gradient;
-    if (size == 0) return true;
-    const std::optional<Eigen::VectorXd> step = SolveReduced(normal, -gradient);
-    if (!step) return false;
-    shared_step_ = *step;
+    if (size > 0) {
+      const std::optional<Eigen::VectorXd> step = SolveReduced(normal, -gradient);
+      if (!step) return false;
+      shared_step_ = *step;
+    }
     pose_step_sigmas_ = PoseStepSigmas(gradient);
     return shared_step_.allFinite();
   }

@@ -90,6 +90,18 @@ TEST(DistributedAdjustmentTest, EndsWhenThePosesHaveStoppedMoving) {
   }
 }
 
+TEST(DistributedAdjustmentTest, OneShareAloneGoesOnAsFar) {
+  SfmState early = Disturbed(SyntheticScene{}, false);
+  ShareByOrder(1, early);  // no view is shared, and nothing else is
+  SfmState thorough = early;
+  const AdjustmentScope all = AdjustmentScope::Everything(early);
+  AdjustmentOptions options = Thorough();
+  ASSERT_TRUE(AdjustDistributed(thorough, all, options, RunContext{}).ok());
+  options.pose_tolerance_sigmas = 0.003;
+  ASSERT_TRUE(AdjustDistributed(early, all, options, RunContext{}).ok());
+  EXPECT_NEAR(AdjustmentCost(early, options) / AdjustmentCost(thorough, options), 1, 1e-3);
+}
+
 TEST(DistributedAdjustmentTest, SharesKeepTheirInnerViewsToThemselves) {
   SfmState state = Disturbed(SyntheticScene{}, true);
   // Without what reaches from arc to arc, the views between the shared ones are nobody else's.
