@@ -9,6 +9,13 @@ namespace {
 /// A grid finer than this would cost more memory than it saves time.
 constexpr int kMaxCellsAlong = 2048;
 
+std::vector<Eigen::Vector2f> PlacesOf(const Features& picture) {
+  std::vector<Eigen::Vector2f> places;
+  places.reserve(picture.size());
+  for (const Keypoint& keypoint : picture.keypoints) places.emplace_back(keypoint.x, keypoint.y);
+  return places;
+}
+
 }  // namespace
 
 KeypointGrid::KeypointGrid(std::span<const Eigen::Vector2f> points, float cell) : cell_(cell) {
@@ -32,6 +39,8 @@ KeypointGrid::KeypointGrid(std::span<const Eigen::Vector2f> points, float cell) 
   std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
   for (std::size_t i = 0; i < points.size(); ++i) order_[next[cell_of(points[i])]++] = static_cast<std::uint32_t>(i);
 }
+
+KeypointGrid::KeypointGrid(const Features& picture, float cell) : KeypointGrid(PlacesOf(picture), cell) {}
 
 int KeypointGrid::ColumnOf(float x) const {
   return static_cast<int>(std::clamp((x - origin_.x()) / cell_, 0.0f, static_cast<float>(columns_ - 1)));

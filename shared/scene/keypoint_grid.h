@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "scene/features.h"
+
 namespace drupe {
 
 /// Points of a picture by square cells, for questions about a neighbourhood.
@@ -13,6 +15,8 @@ class KeypointGrid {
   KeypointGrid() = default;
   /// `cell` is the side of a cell, in the unit of the points; non-finite points must not occur.
   KeypointGrid(std::span<const Eigen::Vector2f> points, float cell);
+  /// The places of a picture's keypoints, in their order.
+  KeypointGrid(const Features& picture, float cell);
 
   /// Calls visit(index) for every point in the cells that the box touches: all points of the box, and some around it.
   template <typename Visit>

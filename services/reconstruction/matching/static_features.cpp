@@ -17,13 +17,6 @@ constexpr int kMinCoincidences = 3;
 constexpr std::int32_t kSameLook = 512 * 512 / 5;
 constexpr float kSameScale = 1.3f;
 
-std::vector<Eigen::Vector2f> Positions(const Features& features) {
-  std::vector<Eigen::Vector2f> positions;
-  positions.reserve(features.size());
-  for (const Keypoint& keypoint : features.keypoints) positions.emplace_back(keypoint.x, keypoint.y);
-  return positions;
-}
-
 bool LooksTheSame(const Features& a, std::size_t i, const Features& b, std::size_t j) {
   const float ratio = a.keypoints[i].scale_px / b.keypoints[j].scale_px;
   return ratio < kSameScale && ratio * kSameScale > 1 && SquaredDistance(a.Descriptor(i), b.Descriptor(j)) < kSameLook;
@@ -55,9 +48,8 @@ Result<std::vector<std::vector<std::uint8_t>>> FindStaticFeatures(std::span<cons
                                                                   double min_share, const RunContext& context) {
   const auto radius = static_cast<float>(radius_px);
   std::vector<KeypointGrid> grids(features.size());
-  DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t image) {
-    grids[image] = KeypointGrid(Positions(features[image]), 4 * radius);
-  }));
+  DRUPE_RETURN_IF_ERROR(ParallelFor(
+      context, features.size(), [&](std::size_t image) { grids[image] = KeypointGrid(features[image], 4 * radius); }));
   std::vector<std::vector<std::uint8_t>> is_static(features.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t image) {
     const std::vector<std::size_t> others = ComparedWith(image, features.size());

@@ -29,7 +29,7 @@ class LinkSearch {
   LinkSearch(std::span<const Features> features, const std::vector<std::vector<std::uint8_t>>& is_static,
              double max_error_px, const SfmState& state)
       : features_(features), is_static_(is_static), max_error_px_(max_error_px), state_(state) {
-    for (const Features& view : features) grids_.push_back(GridOf(view));
+    for (const Features& view : features) grids_.emplace_back(view, kCellPx);
     for (const auto& pose : state.poses) centres_.push_back(pose ? pose->Centre() : Eigen::Vector3d::Zero());
     max_squared_distance_ = UsualDistance();
   }
@@ -46,13 +46,6 @@ class LinkSearch {
   }
 
  private:
-  static KeypointGrid GridOf(const Features& view) {
-    std::vector<Eigen::Vector2f> places;
-    places.reserve(view.size());
-    for (const Keypoint& keypoint : view.keypoints) places.emplace_back(keypoint.x, keypoint.y);
-    return KeypointGrid(places, kCellPx);
-  }
-
   const Keypoint& KeypointOf(const SfmObservation& observation) const {
     return features_[observation.view].keypoints[observation.keypoint];
   }
@@ -110,9 +103,7 @@ class LinkSearch {
     return !is_static_.empty() && !is_static_[view].empty() && is_static_[view][keypoint] != 0;
   }
 
-  float ReachPx(float scale_px) const {
-    return static_cast<float>(max_error_px_) * ExpectedSigmaPx(Keypoint{.scale_px = scale_px});
-  }
+  float ReachPx(float scale_px) const { return static_cast<float>(max_error_px_) * ExpectedSigmaPx(scale_px); }
 
   void Offer(std::int32_t track, std::int32_t view, const Look& nearest, std::vector<CompletionLink>& links) const {
     const Eigen::Vector3d point = *state_.poses[view] * state_.tracks[track].position;

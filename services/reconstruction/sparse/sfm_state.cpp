@@ -73,18 +73,18 @@ SfmState MakeSfmState(const SparseInput& input) {
   return state;
 }
 
-float ExpectedSigmaPx(const Keypoint& keypoint) {
+float ExpectedSigmaPx(float scale_px) {
   // A blob's centre is found to a share of its size (Zeisl et al. 2009 find it about proportional); small ones hit the
   // pixel's own limit.
   constexpr float kSmallestScalePx = 1.6f;
-  return std::max(1.0f, keypoint.scale_px / kSmallestScalePx);
+  return std::max(1.0f, scale_px / kSmallestScalePx);
 }
 
 SfmObservation MakeObservation(const PinholeCamera& camera, const FeatureRef& feature, const Keypoint& keypoint) {
   SfmObservation observation;
   observation.view = feature.view;
   observation.keypoint = feature.keypoint;
-  observation.sigma_px = ExpectedSigmaPx(keypoint);
+  observation.sigma_px = ExpectedSigmaPx(keypoint.scale_px);
   observation.measured = Measure(camera, {keypoint.x, keypoint.y});
   return observation;
 }

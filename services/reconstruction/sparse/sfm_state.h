@@ -78,8 +78,8 @@ void ShareByCluster(const std::vector<std::vector<int>>& clusters, SfmState& sta
 /// Undistorts every measurement once and lays tracks and board corners out for the stages.
 SfmState MakeSfmState(const SparseInput& input);
 
-/// How exactly a keypoint is found compared with the smallest ones, >= 1.
-float ExpectedSigmaPx(const Keypoint& keypoint);
+/// How far a keypoint of this scale lies off compared with the smallest ones, >= 1.
+float ExpectedSigmaPx(float scale_px);
 
 /// What `feature`, the `keypoint`, measures with this camera; of no track yet and not active.
 SfmObservation MakeObservation(const PinholeCamera& camera, const FeatureRef& feature, const Keypoint& keypoint);

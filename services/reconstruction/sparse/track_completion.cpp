@@ -55,10 +55,10 @@ class TrackSets {
     return track;
   }
 
-  /// A place of several orientations has one owner.
+  /// A place of several orientations, which follow one another, has one owner.
   void Own(const FeatureRef& feature, std::int32_t track) {
     const std::vector<Keypoint>& keypoints = features_[feature.view].keypoints;
-    const auto is_same = [&](const Keypoint& a, const Keypoint& b) {
+    const auto is_same = [](const Keypoint& a, const Keypoint& b) {
       return a.x == b.x && a.y == b.y && a.scale_px == b.scale_px;
     };
     const Keypoint& here = keypoints[feature.keypoint];

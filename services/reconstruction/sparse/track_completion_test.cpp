@@ -42,6 +42,18 @@ class TrackCompletionTest : public testing::Test {
   }
   Keypoint& KeypointOf(const FeatureRef& ref) { return scene_.features[ref.view].keypoints[ref.keypoint]; }
 
+  /// Another feature with the look of the last one in a view, this many pixels beside it.
+  FeatureRef Twin(const FeatureRef& ref, float beside_px) {
+    Features& view = scene_.features[ref.view];
+    EXPECT_EQ(ref.keypoint + 1, view.size());
+    Keypoint twin = view.keypoints[ref.keypoint];
+    twin.x += beside_px;
+    const std::vector<std::uint8_t> look(Descriptor(ref), Descriptor(ref) + Features::kDimension);
+    view.keypoints.push_back(twin);
+    view.descriptors.insert(view.descriptors.end(), look.begin(), look.end());
+    return {ref.view, ref.keypoint + 1};
+  }
+
   /// What the matches have left, with true poses.
   SfmState StateOf(const std::vector<std::vector<FeatureRef>>& tracks) {
     scene_.tracks.tracks = tracks;
@@ -123,6 +135,36 @@ TEST_F(TrackCompletionTest, JoinsTheTracksOfOnePoint) {
   EXPECT_GE(counts.merged, cut * 9 / 10);
   EXPECT_LE(counts.merged, cut);
   EXPECT_GE(static_cast<int>(CountIn(TracksOf(state), whole_)), static_cast<int>(whole_.size()) - cut / 10);
+}
+
+TEST_F(TrackCompletionTest, LeavesTracksThatSeeTheSameViewApart) {
+  std::vector<std::vector<FeatureRef>> tracks = whole_;
+  const std::vector<FeatureRef> cut = tracks.back();
+  ASSERT_GE(cut.size(), 6u);
+  const auto middle = cut.begin() + static_cast<std::ptrdiff_t>(cut.size() / 2);
+  tracks.back() = {cut.begin(), middle};
+  tracks.back().push_back(Twin(*middle, 0.3f));  // what the other half sees in that view stays another place
+  tracks.emplace_back(middle, cut.end());
+  SfmState state = StateOf(tracks);
+  EXPECT_EQ(Complete(state).merged, 0);
+  EXPECT_EQ(TracksOf(state), tracks);
+}
+
+TEST_F(TrackCompletionTest, JoinsByAnyOrientationOfAPlace) {
+  std::vector<std::vector<FeatureRef>> tracks = whole_;
+  const std::vector<FeatureRef> cut = tracks.back();
+  const auto middle = cut.begin() + static_cast<std::ptrdiff_t>(cut.size() / 2);
+  tracks.back() = {cut.begin(), middle};
+  tracks.emplace_back(middle, cut.end());
+  for (const FeatureRef& ref : std::vector(cut.begin(), middle)) {
+    Twin(ref, 0);
+    for (int k = 0; k < Features::kDimension; k += 2)
+      Descriptor(ref)[k] += 6;  // the other half looks more like the twin
+  }
+  SfmState state = StateOf(tracks);
+  const CompletionCounts counts = Complete(state);
+  EXPECT_EQ(counts.merged, 1);
+  EXPECT_EQ(counts.added, 0);
 }
 
 TEST_F(TrackCompletionTest, LeavesWhatLooksOrMeasuresOtherwise) {
