@@ -11,8 +11,8 @@ constexpr int kAround = 3;   ///< cells on all sides of one, over which agreemen
 
 /// Of what differences measured across and down have more than the filtered ones, u and v, and of how much they bend
 /// from pixel to pixel, p and q, and by how much samples change, s and t: sums of 2 u v and of
-/// u^2 + v^2 + (p^2 + q^2) / 2 + s^2 + t^2, over columns of cells from 3 above a
-/// row to 3 below it, which move down row by row.
+/// u^2 + v^2 + (p^2 + q^2) / 2 + s^2 + t^2, over columns of cells from 3 above a row to 3 below it, which move down row
+/// by row.
 class ProductSums {
  public:
   ProductSums(const MeasuredColour& measured, const Lattice& filtered)
@@ -67,8 +67,7 @@ inline float ShareKept(int common, int all) {
 }
 
 inline std::int16_t Towards(std::int16_t filtered, std::int16_t measured, float share) {
-  const float moved = static_cast<float>(filtered) + share * static_cast<float>(measured - filtered);
-  return static_cast<std::int16_t>(static_cast<int>(moved + 4096.5F) - 4096);
+  return RoundedSteps(static_cast<float>(filtered) + share * static_cast<float>(measured - filtered));
 }
 
 }  // namespace

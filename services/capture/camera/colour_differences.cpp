@@ -95,10 +95,6 @@ inline float SumOfFour(const Value* contrast, std::ptrdiff_t step) {
   return static_cast<float>(contrast[0] - contrast[step] + contrast[2 * step] - contrast[3 * step]);
 }
 
-inline Value Rounded(float difference) {
-  return static_cast<Value>(static_cast<int>(difference + 4096.5F) - 4096);
-}
-
 /// The difference at a pixel, from the contrasts and the changes around it along both directions.
 inline Value Weighed(const Value* across, const Value* down, std::ptrdiff_t stride, const Value* across_changes,
                      const Value* down_changes) {
@@ -106,7 +102,7 @@ inline Value Weighed(const Value* across, const Value* down, std::ptrdiff_t stri
   const float above = WeightOf(down_changes[-2 * stride]), below = WeightOf(down_changes[2 * stride]);
   const float sum = (left * SumOfFour(across, -1) + right * SumOfFour(across, 1)) +
                     (above * SumOfFour(down, -stride) + below * SumOfFour(down, stride));
-  return Rounded(sum / (4 * ((left + right) + (above + below))));
+  return RoundedSteps(sum / (4 * ((left + right) + (above + below))));
 }
 
 /// Red's, or blue's, from the cells' pixels at (place_x, place_y).

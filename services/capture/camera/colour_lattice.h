@@ -9,6 +9,11 @@ namespace drupe {
 /// Steps of a grey level in differences of colours.
 constexpr int kLevelSteps = 4;
 
+/// To the nearest step, for differences of more than -4096.
+inline std::int16_t RoundedSteps(float difference) {
+  return static_cast<std::int16_t>(static_cast<int>(difference + 4096.5F) - 4096);
+}
+
 /// Values at all pixels, or at every second pixel of every second row, with a margin on all sides, so that no filter
 /// meets a border: columns -kMargin..columns() + kMargin - 1, and rows likewise, may be read and written. Zero at
 /// first.

@@ -72,31 +72,31 @@ void Disturb(std::uint32_t seed, RgbImage& picture) {
   }
 }
 
-Result<std::string> Retake(const SourceImage& source, const Sensor& sensor, const BayerArguments& arguments,
-                           const Limits& limits) {
+Status Retake(const Sensor& sensor, RgbImage& picture) {
+  if (sensor.layout == FrameLayout::kRgb) return Status::Ok();
+  DRUPE_ASSIGN_OR_RETURN(picture, DevelopFrame(MosaicOf(picture, sensor)));
+  return Status::Ok();
+}
+
+/// The source's file, coded again after change(picture).
+template <typename Change>
+Result<std::string> Recode(const SourceImage& source, const BayerArguments& arguments, const Limits& limits,
+                           const Change& change) {
   DRUPE_ASSIGN_OR_RETURN(const std::string bytes, source.read());
   DRUPE_ASSIGN_OR_RETURN(RgbImage picture, DecodeRgb(bytes, limits));
-  if (sensor.layout != FrameLayout::kRgb) {
-    DRUPE_ASSIGN_OR_RETURN(picture, DevelopFrame(MosaicOf(picture, sensor)));
-  }
+  DRUPE_RETURN_IF_ERROR(change(picture));
   return EncodeJpeg(picture, arguments.jpeg_quality);
 }
 
-Result<std::string> DisturbFile(const SourceImage& source, std::uint32_t seed, const BayerArguments& arguments,
-                                const Limits& limits) {
-  DRUPE_ASSIGN_OR_RETURN(const std::string bytes, source.read());
-  DRUPE_ASSIGN_OR_RETURN(RgbImage picture, DecodeRgb(bytes, limits));
-  Disturb(seed, picture);
-  return EncodeJpeg(picture, arguments.jpeg_quality);
-}
-
-/// The set with each picture's file made anew by make(index, picture).
-template <typename Make>
-Result<ReconstructionInput> RemakeAll(const TruthSet& set, const BayerArguments& arguments, const Make& make) {
+/// The set with each picture coded again after change(index, picture).
+template <typename Change>
+Result<ReconstructionInput> RecodeAll(const TruthSet& set, const BayerArguments& arguments, const Change& change) {
   ReconstructionInput input = set.input;
   std::vector<Result<std::string>> files(input.images.size(), std::string());
-  DRUPE_RETURN_IF_ERROR(ParallelFor(arguments.sets.Context(), files.size(),
-                                    [&](std::size_t i) { files[i] = make(i, set.input.images[i]); }));
+  DRUPE_RETURN_IF_ERROR(ParallelFor(arguments.sets.Context(), files.size(), [&](std::size_t i) {
+    files[i] =
+        Recode(set.input.images[i], arguments, input.limits, [&](RgbImage& picture) { return change(i, picture); });
+  }));
   for (std::size_t i = 0; i < files.size(); ++i) {
     DRUPE_RETURN_IF_ERROR(files[i].status());
     input.images[i].read = [file = std::move(*files[i])]() -> Result<std::string> { return file; };
@@ -182,15 +182,13 @@ class BayerTable {
 
  private:
   Result<ReconstructionInput> Retaken(const Sensor& sensor) const {
-    return RemakeAll(set_, arguments_, [&](std::size_t, const SourceImage& source) {
-      return Retake(source, sensor, arguments_, set_.input.limits);
-    });
+    return RecodeAll(set_, arguments_, [&](std::size_t, RgbImage& picture) { return Retake(sensor, picture); });
   }
 
   Result<ReconstructionInput> Disturbed(int round) const {
-    return RemakeAll(set_, arguments_, [&](std::size_t i, const SourceImage& source) {
-      const auto seed = static_cast<std::uint32_t>(1000 * round + static_cast<int>(i));
-      return DisturbFile(source, seed, arguments_, set_.input.limits);
+    return RecodeAll(set_, arguments_, [&](std::size_t i, RgbImage& picture) {
+      Disturb(static_cast<std::uint32_t>(1000 * round + static_cast<int>(i)), picture);
+      return Status::Ok();
     });
   }
 

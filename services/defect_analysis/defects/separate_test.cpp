@@ -72,6 +72,17 @@ TEST(SeparateDefects, TellsABrownSpotFromABlackStripItTouches) {
   EXPECT_TRUE(second.completed);
 }
 
+// Where share(place) is over 0.3 the patch is too.
+template <typename Share>
+void TakeInside(const Share& share, TransitionField& field) {
+  for (int row = 0; row < field.height; ++row) {
+    for (int column = 0; column < field.width; ++column) {
+      if (share(field.FlatOf(column, row)) > 0.3f)
+        field.inside[static_cast<std::size_t>(row) * field.width + column] = 1;
+    }
+  }
+}
+
 // The spot's colour is sixteen times as far from the skin's as the strip's, which is as light as the skin.
 TEST(SeparateDefects, TellsAStripOfAnotherHueFromABleachedSpotItTouches) {
   const FruitSurface surface = Ball();
@@ -84,12 +95,7 @@ TEST(SeparateDefects, TellsAStripOfAnotherHueFromABleachedSpotItTouches) {
   TransitionField field = FieldOf(
       surface, [&](const Eigen::Vector2d& p) { return (1 - strip(p)) * spot(p); },
       [&](const Eigen::Vector2d& p) { return Eigen::Vector3f(strip(p) * hue + (1 - strip(p)) * spot(p) * bleached); });
-  for (int row = 0; row < field.height; ++row) {
-    for (int column = 0; column < field.width; ++column) {
-      if (strip(field.FlatOf(column, row)) > 0.3f)
-        field.inside[static_cast<std::size_t>(row) * field.width + column] = 1;
-    }
-  }
+  TakeInside(strip, field);
   const Outlines found = SeparateDefects(field, 9, {});
   ASSERT_EQ(found.outlines.size(), 2u);
   EXPECT_NEAR(SignedArea(found.outlines[0].polygon), pi * 0.81, 0.15);
@@ -109,12 +115,7 @@ TEST(SeparateDefects, TellsADarkSpotFromAPaleOneThatIsNearlyAsGloss) {
       });
   field.healthy_linear = Eigen::Vector3d(0.206, 0.110, 0.043);
   field.defect_linear = Eigen::Vector3d(0.365, 0.298, 0.227);
-  for (int row = 0; row < field.height; ++row) {
-    for (int column = 0; column < field.width; ++column) {
-      if (lower(field.FlatOf(column, row)) > 0.3f)
-        field.inside[static_cast<std::size_t>(row) * field.width + column] = 1;
-    }
-  }
+  TakeInside(lower, field);
   const Outlines found = SeparateDefects(field, 9, {});
   ASSERT_EQ(found.outlines.size(), 2u);
   EXPECT_NEAR(SignedArea(found.outlines[0].polygon), pi * 1.96, 0.1);
