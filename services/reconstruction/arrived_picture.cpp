@@ -23,10 +23,11 @@ class ArrivedPicture {
         set_(set),
         options_(options),
         context_(context),
+        place_(PlaceOf(arrived, set.images)),
         similarity_(set, options, context) {}
 
   Result<std::vector<std::string>> Run() {
-    if (Place() == set_.images.size()) return std::vector<std::string>();  // another has taken its name
+    if (place_ == set_.images.size()) return std::vector<std::string>();
     DRUPE_ASSIGN_OR_RETURN(const std::optional<SetWords> words, FindWords());
     if (!words) return std::vector<std::string>();
     DRUPE_ASSIGN_OR_RETURN(const Description description, similarity_.Describe(arrived_, features_, *words));
@@ -34,14 +35,6 @@ class ArrivedPicture {
   }
 
  private:
-  /// In the order of the set; the set's size when it is not in there.
-  std::size_t Place() const {
-    const auto found = std::find_if(set_.images.begin(), set_.images.end(), [&](const SourceImage& image) {
-      return image.name == arrived_.name && image.sha256 == arrived_.sha256;
-    });
-    return static_cast<std::size_t>(found - set_.images.begin());
-  }
-
   Result<std::optional<SetWords>> FindWords() {
     DRUPE_ASSIGN_OR_RETURN(const std::string vocabulary, LoadVocabulary(set_, options_.similarity));
     if (!vocabulary.empty()) {
@@ -57,7 +50,7 @@ class ArrivedPicture {
 
   /// Nothing when the front is not complete with the picture that arrived.
   Result<std::optional<SetWords>> TrainOnFront() {
-    const std::size_t limit = Place() + 1;
+    const std::size_t limit = place_ + 1;
     if (limit < static_cast<std::size_t>(options_.similarity.training_images)) return std::optional<SetWords>();
     TrainingFront front(options_.similarity);
     std::vector<Features> features;
@@ -101,10 +94,18 @@ class ArrivedPicture {
   const ReconstructionInput& set_;
   const ReconstructionOptions& options_;
   const RunContext& context_;
+  const std::size_t place_;
   const PictureSimilarity similarity_;
 };
 
 }  // namespace
+
+std::size_t PlaceOf(const SourceImage& arrived, std::span<const SourceImage> images) {
+  const auto found = std::find_if(images.begin(), images.end(), [&](const SourceImage& image) {
+    return image.name == arrived.name && image.sha256 == arrived.sha256;
+  });
+  return static_cast<std::size_t>(found - images.begin());
+}
 
 Result<std::vector<std::string>> DescribeArrived(const SourceImage& arrived, const Features& features,
                                                  const ReconstructionInput& set, const ReconstructionOptions& options,

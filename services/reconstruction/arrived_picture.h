@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,10 @@
 #include "scene/features.h"
 
 namespace drupe {
+
+/// The place of a picture in the order of its set, by name and digest; images.size() when it is not in there, because
+/// another has taken its name.
+std::size_t PlaceOf(const SourceImage& arrived, std::span<const SourceImage> images);
 
 /// Describes a picture as soon as its set allows it, for the similarity that the reconstruction will ask for, and tells
 /// which pictures that came before look most like it: the pairs that are likely to be matched.

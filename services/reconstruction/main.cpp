@@ -109,6 +109,7 @@ class Workers {
     reconstructions_.Handle(kPartKind, PartJob(*stores.objects, limits));
     announcements_.Handle(kAnnounceKind, AnnounceJob(*stores.jobs, analysis));
     preparations_.Handle(kPrepareKind, PrepareJob(*stores.objects, *stores.sets, *stores.derived, limits));
+    preparations_.Handle(kMatchKind, MatchJob(*stores.objects, *stores.sets, *stores.derived, limits));
   }
 
   Status Start() {
@@ -141,10 +142,11 @@ Status Serve(Service& service, const Settings& settings, int& exit_code) {
   DRUPE_ASSIGN_OR_RETURN(const auto webhooks,
                          Webhooks::Open(*stores.database, *stores.jobs, std::move(hooks), DescribeWith(links)));
   Workers workers(stores, settings, options.limits, analysis, service.metrics());
-  StoreKeeper keeper(stores,
-                     KeeperOptions(options, "reconstruction",
-                                   {kReconstructKind, kPartKind, kAnnounceKind, kPrepareKind, kWebhookKind}),
-                     ForgetWith(stores, *webhooks));
+  StoreKeeper keeper(
+      stores,
+      KeeperOptions(options, "reconstruction",
+                    {kReconstructKind, kPartKind, kAnnounceKind, kPrepareKind, kMatchKind, kWebhookKind}),
+      ForgetWith(stores, *webhooks));
   if (options.role != Role::kWorker) {
     const RouteContext context{
         *stores.objects, *stores.jobs, *stores.sets, options.limits, links, *webhooks, PrepareWorkers(settings) > 0};
@@ -182,7 +184,7 @@ int main(int argc, char** argv) {
   service.AddOption("--threads", settings.threads, "threads of a reconstruction, 0 for one per core");
   service.AddOption(
       "--prepare-workers", settings.prepare_workers,
-      "threads that find features and likeness while pictures arrive, 0 for none, -1 for half of the cores");
+      "threads that find features, likeness and matches while pictures arrive, 0 for none, -1 for half of the cores");
   service.AddOption("--cache-mb", settings.cache_mb, "disk space for what is known of pictures, 0 for none");
   service.AddOption("--lease-s", settings.lease_s,
                     "seconds after which a worker that has fallen silent loses its job to another");

@@ -9,6 +9,7 @@
 #include "reconstruction/clusters/verified_clusters.h"
 #include "reconstruction/dense/poisson_mesh.h"
 #include "reconstruction/dense/preview.h"
+#include "reconstruction/picture_matching.h"
 #include "reconstruction/picture_similarity.h"
 #include "reconstruction/sparse/sparse.h"
 #include "reconstruction/view_features.h"
@@ -55,15 +56,27 @@ auto Timed(const char* name, const RunContext& context, Timings& timings, const 
   return result;
 }
 
+/// The pictures that can be used, in their order.
+std::vector<SourceImage> UsedPictures(const ReconstructionInput& input, const ViewFeatures& views) {
+  std::vector<SourceImage> pictures;
+  for (const int source : views.sources) pictures.push_back(input.images[static_cast<std::size_t>(source)]);
+  return pictures;
+}
+
 /// Verified pairs, without those that contradict the others.
-Result<MatchGraph> MatchConsistently(const ViewFeatures& views, const ViewClusters& clusters, const StartCamera& start,
-                                     const MatchingOptions& matching, const CycleOptions& cycles,
-                                     const RunContext& context) {
+Result<MatchGraph> MatchConsistently(const ReconstructionInput& input, const ViewFeatures& views,
+                                     const ViewClusters& clusters, const StartCamera& start,
+                                     const ReconstructionOptions& options, const RunContext& context) {
   const bool is_guess = start.source != IntrinsicsSource::kGiven;
-  DRUPE_ASSIGN_OR_RETURN(MatchGraph graph,
-                         RunMatching(views.features, clusters, start.camera, matching, context, is_guess));
+  const std::vector<SourceImage> pictures = UsedPictures(input, views);
+  std::optional<PictureMatching> ahead;
+  if (!is_guess && input.cache != nullptr) ahead.emplace(pictures, input, options, context);
+  FindKnownPair find_known = nullptr;
+  if (ahead) find_known = [&](const ImagePair& pair) { return ahead->Known(pair); };
+  DRUPE_ASSIGN_OR_RETURN(MatchGraph graph, RunMatching(views.features, clusters, start.camera, options.matching,
+                                                       context, is_guess, find_known));
   const int image_count = static_cast<int>(views.features.size());
-  DRUPE_RETURN_IF_ERROR(DropInconsistentPairs(image_count, cycles, graph).status());
+  DRUPE_RETURN_IF_ERROR(DropInconsistentPairs(image_count, options.cycles, graph).status());
   return graph;
 }
 
@@ -74,28 +87,19 @@ struct Correspondences {
   TrackList tracks;
 };
 
-/// The likeness of all views.
-Result<SimilarityGraph> CompareViews(const ReconstructionInput& input, const ViewFeatures& views,
-                                     const std::string& vocabulary, const ReconstructionOptions& options,
-                                     const RunContext& context) {
-  std::vector<SourceImage> pictures;
-  for (const int source : views.sources) pictures.push_back(input.images[static_cast<std::size_t>(source)]);
-  return FindSimilarity(pictures, views.features, input, options, vocabulary, context);
-}
-
 Result<Correspondences> FindCorrespondences(const ReconstructionInput& input, const ViewFeatures& views,
                                             const StartCamera& start, const std::string& vocabulary,
                                             const ReconstructionOptions& options, const RunContext& context,
                                             Timings& timings) {
   Correspondences result;
   DRUPE_ASSIGN_OR_RETURN(const SimilarityGraph graph, Timed("similarity", context, timings, [&] {
-                           return CompareViews(input, views, vocabulary, options, context);
+                           return FindSimilarity(UsedPictures(input, views), views.features, input, options, vocabulary,
+                                                 context);
                          }));
   DRUPE_ASSIGN_OR_RETURN(result.clusters, Timed("clusters", context, timings,
                                                 [&] { return RunClusters(graph, options.clusters, context); }));
   DRUPE_ASSIGN_OR_RETURN(result.matches, Timed("matching", context, timings, [&] {
-                           return MatchConsistently(views, result.clusters, start, options.matching, options.cycles,
-                                                    context);
+                           return MatchConsistently(input, views, result.clusters, start, options, context);
                          }));
   const int image_count = static_cast<int>(views.features.size());
   DRUPE_ASSIGN_OR_RETURN(result.clusters, ClusterVerified(image_count, result.matches, options.clusters));

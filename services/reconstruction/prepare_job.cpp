@@ -10,6 +10,7 @@
 #include "base/digest.h"
 #include "base/log.h"
 #include "reconstruction/arrived_picture.h"
+#include "reconstruction/match_arrived.h"
 #include "reconstruction/picture_features.h"
 #include "reconstruction/pipeline_options.h"
 #include "reconstruction/reconstruct_input.h"
@@ -22,6 +23,8 @@ constexpr std::int64_t kMaxWaiting = 2'000;
 constexpr int kAttempts = 2;
 constexpr int kNice = 10;
 constexpr int kJobsAPage = 1000;
+/// Below the jobs that find features, without which nothing can begin.
+constexpr int kMatchPriority = -1;
 
 /// Of the calling thread alone, once: on Linux, 0 means the thread. A refusal costs nothing but politeness.
 void LowerThreadPriority() {
@@ -29,8 +32,8 @@ void LowerThreadPriority() {
   static_cast<void>(lowered);
 }
 
-std::string KeyOf(const std::string& set, const StoredImage& image) {
-  return "prepare:" + set + ":" + Sha256Hex(image.name + "/" + image.sha256);
+std::string KeyOf(const std::string& kind, const std::string& set, const StoredImage& image) {
+  return kind + ":" + set + ":" + Sha256Hex(image.name + "/" + image.sha256);
 }
 
 /// The request with the pictures that its set has now.
@@ -42,10 +45,23 @@ Result<ReconstructRequest> WithPresentImages(ReconstructRequest request, ImageSe
 
 /// What cannot be done early, because a set was forgotten or another of its pictures cannot be read, is left to the
 /// reconstruction, which says why.
-Result<std::vector<std::string>> DoneOrLeft(Result<std::vector<std::string>> candidates) {
-  if (candidates.ok() || candidates.status().kind() == StatusKind::kCancelled) return candidates;
-  Log(LogLevel::kWarning, "cannot compare a picture yet", {{"error", candidates.status().ToString()}});
-  return std::vector<std::string>();
+template <typename T>
+Result<T> DoneOrLeft(Result<T> done) {
+  if (done.ok() || done.status().kind() == StatusKind::kCancelled) return done;
+  Log(LogLevel::kWarning, "cannot compare a picture yet", {{"error", done.status().ToString()}});
+  return T();
+}
+
+Status Leave(JobStore& jobs, const char* kind, const char* id_prefix, int priority, const ReconstructRequest& request) {
+  JobSpec spec;
+  spec.kind = kind;
+  spec.id_prefix = id_prefix;
+  spec.subject = request.image_set;
+  spec.payload = ToPayload(request);
+  spec.priority = priority;
+  spec.idempotency_key = KeyOf(kind, request.image_set, request.images.front());
+  spec.max_attempts = kAttempts;
+  return jobs.Submit(spec).status();
 }
 
 }  // namespace
@@ -73,19 +89,35 @@ Result<std::vector<std::string>> PrepareJob::Compare(const SourceImage& image, c
   return DescribeArrived(image, features, MakeInput(present, objects_, &cache_, limits_), options, context);
 }
 
+Result<Json> MatchJob::operator()(const Job& job, const RunContext& context) const {
+  LowerThreadPriority();
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest request, FromPayload(job.payload));
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructionOptions options, ParseReconstructionOptions(request.options));
+  const ReconstructionInput arrived = MakeInput(request, objects_, &cache_, limits_);
+  const auto match = [&](const SourceImage& image) -> Result<int> {
+    DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest present, WithPresentImages(request, sets_));
+    const ReconstructionInput set = MakeInput(present, objects_, &cache_, limits_);
+    if (!IsTimeToMatch(image, set)) return 0;
+    DRUPE_ASSIGN_OR_RETURN(const Features features, FindFeatures(image, set, options, context));
+    DRUPE_ASSIGN_OR_RETURN(const std::vector<std::string> alike,
+                           DescribeArrived(image, features, set, options, context));
+    return MatchArrived(image, alike, set, options, context);
+  };
+  int pairs = 0;
+  for (const SourceImage& image : arrived.images) {
+    DRUPE_ASSIGN_OR_RETURN(const int matched, DoneOrLeft(match(image)));
+    pairs += matched;
+  }
+  return Json{{"pairs", pairs}};
+}
+
 Status LeavePreparation(JobStore& jobs, const ReconstructRequest& announced, const StoredImage& image) {
   DRUPE_ASSIGN_OR_RETURN(const JobCounts counts, jobs.Counts());
   if (counts.queued >= kMaxWaiting) return Status::Ok();
   ReconstructRequest request = announced;
   request.images = {image};
-  JobSpec spec;
-  spec.kind = kPrepareKind;
-  spec.id_prefix = "prep";
-  spec.subject = announced.image_set;
-  spec.payload = ToPayload(request);
-  spec.idempotency_key = KeyOf(announced.image_set, image);
-  spec.max_attempts = kAttempts;
-  return jobs.Submit(spec).status();
+  DRUPE_RETURN_IF_ERROR(Leave(jobs, kPrepareKind, "prep", 0, request));
+  return Leave(jobs, kMatchKind, "match", kMatchPriority, request);
 }
 
 Result<std::vector<std::optional<Json>>> PreparationsOf(const ImageSet& set, JobStore& jobs) {
@@ -101,7 +133,7 @@ Result<std::vector<std::optional<Json>>> PreparationsOf(const ImageSet& set, Job
   } while (!cursor.empty());
   std::vector<std::optional<Json>> preparations;
   for (const StoredImage& image : set.images) {
-    const auto found = results.find(KeyOf(set.id, image));
+    const auto found = results.find(KeyOf(kPrepareKind, set.id, image));
     preparations.push_back(found == results.end() ? std::nullopt : std::optional(found->second));
   }
   return preparations;

@@ -19,6 +19,7 @@
 namespace drupe {
 
 inline constexpr const char* kPrepareKind = "prepare";
+inline constexpr const char* kMatchKind = "match";
 
 /// The job that is left for every picture which arrives in an image set: finds what the reconstruction will need of it
 /// and leaves it in the cache, so that little is left to do after the last picture. A job, so that a crash loses none,
@@ -45,12 +46,29 @@ class PrepareJob {
   const Limits limits_;
 };
 
-/// Leaves that job for `image`; `announced` is what will be asked of its set, as far as it is known. Does nothing while
-/// many jobs wait: the reconstruction then does the work itself. Errors: those of the job store.
+/// The second job that is left for every picture, done when no picture waits to be prepared: MatchArrived, with the
+/// pictures most like it. Its result is {"pairs"}: how many were matched.
+class MatchJob {
+ public:
+  /// Stores and cache must outlive the job.
+  MatchJob(ObjectStore& objects, ImageSetStore& sets, DerivedCache& cache, const Limits& limits)
+      : objects_(objects), sets_(sets), cache_(cache), limits_(limits) {}
+
+  Result<Json> operator()(const Job& job, const RunContext& context) const;
+
+ private:
+  ObjectStore& objects_;
+  ImageSetStore& sets_;
+  DerivedCache& cache_;
+  const Limits limits_;
+};
+
+/// Leaves both jobs for `image`; `announced` is what will be asked of its set, as far as it is known. Does nothing
+/// while many jobs wait: the reconstruction then does the work itself. Errors: those of the job store.
 Status LeavePreparation(JobStore& jobs, const ReconstructRequest& announced, const StoredImage& image);
 
-/// For every picture of the set the result of that job, as far as it is done and not yet forgotten. Errors: those of
-/// the job store.
+/// For every picture of the set the result of its PrepareJob, as far as it is done and not yet forgotten. Errors: those
+/// of the job store.
 Result<std::vector<std::optional<Json>>> PreparationsOf(const ImageSet& set, JobStore& jobs);
 
 }  // namespace drupe

@@ -10,6 +10,7 @@
 
 #include "base/files.h"
 #include "base/ids.h"
+#include "base/json.h"
 #include "jobs/sql/sql_job_store.h"
 #include "jobs/sqlite/database.h"
 #include "reconstruction/image_sets.h"
@@ -49,14 +50,18 @@ class PrepareJobTest : public testing::Test {
     ASSERT_TRUE(sets_->PutImage(set_.id, image).ok());
     ASSERT_TRUE(LeavePreparation(*jobs_, AnnouncedRequest(set_).value(), image).ok());
   }
-  /// Does the job that waits longest; gives its result.
-  Json Prepare() {
-    const Job job = jobs_->Claim({kPrepareKind}, "test", 60'000).value().value();
+  /// Does the job that is next; gives its result.
+  template <typename Handler>
+  Json Do(const Handler& handler, const Job& job) {
     Json result;
-    std::thread worker([&] { result = PrepareJob(*objects_, *sets_, cache_, limits_)(job, {}).value(); });
+    std::thread worker([&] { result = handler(job, {}).value(); });
     worker.join();  // which alone has lowered its priority
     EXPECT_TRUE(jobs_->Complete(job.id, job.attempt, result).ok());
     return result;
+  }
+  Json Prepare() {
+    return Do(PrepareJob(*objects_, *sets_, cache_, limits_),
+              jobs_->Claim({kPrepareKind}, "test", 60'000).value().value());
   }
 
   const std::filesystem::path directory_ = std::filesystem::temp_directory_path() / NewId("test");
@@ -82,6 +87,34 @@ TEST_F(PrepareJobTest, TellsFeaturesAndTheMostSimilarPicturesThatCameBefore) {
   EXPECT_EQ(first["candidates"], Names());
   EXPECT_EQ(second["candidates"], Names({"00.jpg"}));
   EXPECT_EQ(third["candidates"], Names({"01.jpg", "00.jpg"}));
+}
+
+TEST_F(PrepareJobTest, PicturesAreMatchedOnceNoneWaitsToBePrepared) {
+  constexpr int kPictures = 13;
+  const std::string calibration = ReadFile(std::string(DRUPE_TEST_DATA) + "/plum-s/calibration.json").value();
+  set_ =
+      sets_->Create({{"options", set_.announced["options"]}, {"calibration", ParseJson(calibration).value()}}).value();
+  std::vector<std::string> names;
+  for (int i = 0; i < kPictures; ++i) {
+    names.push_back((i < 10 ? "0" : "") + std::to_string(i) + ".jpg");
+    Upload(names.back(), names.back());
+  }
+  const auto next = [&] { return jobs_->Claim({kPrepareKind, kMatchKind}, "test", 60'000).value().value(); };
+  for (int i = 0; i < kPictures; ++i) {
+    const Job job = next();
+    EXPECT_EQ(job.kind, kPrepareKind);
+    Do(PrepareJob(*objects_, *sets_, cache_, limits_), job);
+  }
+  std::vector<int> pairs;
+  for (int i = 0; i < kPictures; ++i) {
+    const Job job = next();
+    EXPECT_EQ(job.kind, kMatchKind);
+    pairs.push_back(Do(MatchJob(*objects_, *sets_, cache_, limits_), job)["pairs"]);
+  }
+  EXPECT_EQ(pairs[10], 0);  // inside the front
+  EXPECT_GE(pairs[11], 3);
+  EXPECT_GE(pairs[12], 5);
+  EXPECT_FALSE(jobs_->Claim({kPrepareKind, kMatchKind}, "test", 60'000).value().has_value());
 }
 
 TEST_F(PrepareJobTest, WhatIsDoneIsToldOfTheSetsPictures) {

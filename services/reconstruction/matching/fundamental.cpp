@@ -95,8 +95,9 @@ class FundamentalSearch {
       : pairs_(pairs), options_(options), random_(options.seed) {}
 
   std::optional<FundamentalEstimate> Run() {
-    double required = options_.max_iterations;
-    for (int iteration = 0; iteration < std::min<double>(required, options_.max_iterations); ++iteration) {
+    const double most = std::max(kFundamentalIterations, MostIterations(pairs_.size(), kSevenPoints, options_));
+    double required = most;
+    for (int iteration = 0; iteration < std::min(required, most); ++iteration) {
       const std::array<PointPair, kSevenPoints> sample = Draw();
       bool improved = false;
       for (const Eigen::Matrix3d& f : SolveSevenPoint(sample)) improved = Consider(f, sample) || improved;

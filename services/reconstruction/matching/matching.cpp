@@ -7,10 +7,9 @@
 
 #include "base/option_check.h"
 #include "base/parallel.h"
-#include "reconstruction/matching/pair_matcher.h"
 #include "reconstruction/matching/prepared_picture.h"
+#include "reconstruction/matching/set_matcher.h"
 #include "reconstruction/matching/static_features.h"
-#include "reconstruction/matching/uncalibrated_matcher.h"
 
 namespace drupe {
 namespace {
@@ -24,12 +23,6 @@ Status CheckPairs(const ViewClusters& clusters, std::size_t image_count) {
   return Status::Ok();
 }
 
-/// Different for every pair, the same in every run.
-std::uint64_t SeedOf(std::uint64_t seed, const ImagePair& pair) {
-  return seed * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(pair.first) * 0x100000001B3u +
-         static_cast<std::uint64_t>(pair.second);
-}
-
 Result<std::vector<std::vector<std::uint8_t>>> StaticOrNone(std::span<const Features> features,
                                                             const MatchingOptions& options, const RunContext& context) {
   if (options.drop_static) {
@@ -38,6 +31,31 @@ Result<std::vector<std::vector<std::uint8_t>>> StaticOrNone(std::span<const Feat
   std::vector<std::vector<std::uint8_t>> none;
   for (const Features& picture : features) none.emplace_back(picture.size(), 0);
   return none;
+}
+
+/// Per pair, in their order.
+using Known = std::vector<std::optional<KnownPair>>;
+
+Result<Known> FindKnown(const std::vector<ImagePair>& pairs, const FindKnownPair& find, const RunContext& context) {
+  Known known(pairs.size());
+  if (!find) return known;
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, pairs.size(), [&](std::size_t i) { known[i] = find(pairs[i]); }));
+  return known;
+}
+
+/// The pictures of which a pair has to be matched; the others are left empty.
+Result<std::vector<PreparedPicture>> PrepareUnknown(std::span<const Features> features, const MatchGraph& graph,
+                                                    const std::vector<ImagePair>& pairs, const Known& known,
+                                                    const SetMatcher& matcher, const RunContext& context) {
+  std::vector<std::uint8_t> is_needed(features.size(), 0);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!known[i]) is_needed[pairs[i].first] = is_needed[pairs[i].second] = 1;
+  }
+  std::vector<PreparedPicture> pictures(features.size());
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t i) {
+    if (is_needed[i] != 0) pictures[i] = matcher.Prepare(features[i], graph.is_static[i]);
+  }));
+  return pictures;
 }
 
 }  // namespace
@@ -60,29 +78,26 @@ Status MatchingOptions::Check() const {
 
 Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
                                const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context,
-                               bool camera_is_guess) {
+                               bool camera_is_guess, const FindKnownPair& find_known) {
   DRUPE_RETURN_IF_ERROR(options.Check());
   DRUPE_RETURN_IF_ERROR(CheckPairs(clusters, features.size()));
+  const std::vector<ImagePair>& pairs = clusters.pairs;
   MatchGraph graph;
   DRUPE_ASSIGN_OR_RETURN(graph.is_static, StaticOrNone(features, options, context));
-  std::vector<PreparedPicture> pictures(features.size());
-  DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t i) {
-    pictures[i] = PreparedPicture(features[i], graph.is_static[i], camera, options.exhaustive_features);
-  }));
-  std::vector<std::optional<TwoViewMatches>> matched(clusters.pairs.size());
-  const double focal_px = 0.5 * (camera.fx + camera.fy);
-  const auto match = camera_is_guess ? MatchUncalibratedPair : MatchPair;
+  DRUPE_ASSIGN_OR_RETURN(Known found, FindKnown(pairs, find_known, context));
+  const SetMatcher matcher(camera, camera_is_guess, options, context.seed);
+  DRUPE_ASSIGN_OR_RETURN(const std::vector<PreparedPicture> pictures,
+                         PrepareUnknown(features, graph, pairs, found, matcher, context));
   std::mutex mutex;
   std::size_t done = 0;  // guarded by mutex
-  DRUPE_RETURN_IF_ERROR(ParallelFor(context, clusters.pairs.size(), [&](std::size_t i) {
-    const ImagePair& pair = clusters.pairs[i];
-    matched[i] =
-        match(pictures[pair.first], pictures[pair.second], pair, focal_px, options, SeedOf(context.seed, pair));
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, pairs.size(), [&](std::size_t i) {
+    const ImagePair& pair = pairs[i];
+    if (!found[i]) found[i] = KnownPair{matcher.Match(pictures[pair.first], pictures[pair.second], pair)};
     const std::lock_guard lock(mutex);
-    context.Report("matching", static_cast<double>(++done) / static_cast<double>(matched.size()));
+    context.Report("matching", static_cast<double>(++done) / static_cast<double>(pairs.size()));
   }));
-  for (std::optional<TwoViewMatches>& pair : matched) {
-    if (pair) graph.pairs.push_back(std::move(*pair));
+  for (std::optional<KnownPair>& pair : found) {
+    if (pair->matches) graph.pairs.push_back(*std::move(pair->matches));
   }
   return graph;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
 
 #include "base/run_context.h"
@@ -39,11 +41,20 @@ struct MatchingOptions {
   Status Check() const;
 };
 
+/// What is known of a pair: the verified matches, or nothing when it fails.
+struct KnownPair {
+  std::optional<TwoViewMatches> matches;
+};
+/// Gives what is known of a pair already, from matching it by itself (SetMatcher); nothing: it has to be matched.
+/// Called from several threads.
+using FindKnownPair = std::function<std::optional<KnownPair>(const ImagePair& pair)>;
+
 /// Matches every pair of `clusters.pairs` and verifies it: descriptors by ratio and mutual check, then an essential
 /// matrix by a locally optimised RANSAC. All pictures share `camera`; where it is a guess, `options.guessed_lens` says
-/// how pairs are verified. Pairs that fail are left out. Errors: 400 `invalid_option`, 400 `invalid_pair`, `cancelled`.
+/// how pairs are verified. Pairs that fail are left out. `find_known` may be empty. Errors: 400 `invalid_option`, 400
+/// `invalid_pair`, `cancelled`.
 Result<MatchGraph> RunMatching(std::span<const Features> features, const ViewClusters& clusters,
                                const PinholeCamera& camera, const MatchingOptions& options, const RunContext& context,
-                               bool camera_is_guess = false);
+                               bool camera_is_guess = false, const FindKnownPair& find_known = nullptr);
 
 }  // namespace drupe

@@ -7,10 +7,14 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <random>
+#include <set>
+#include <span>
 #include <vector>
 
 #include "reconstruction/matching/nearest.h"
+#include "reconstruction/matching/set_matcher.h"
 #include "reconstruction/matching/static_features.h"
 #include "scene/descriptor_distance.h"
 
@@ -75,6 +79,14 @@ class TurntableScene {
   std::vector<Eigen::Vector3d> points_;
   std::vector<std::vector<std::uint8_t>> looks_;
 };
+
+void ExpectSame(const TwoViewMatches& a, const TwoViewMatches& b) {
+  EXPECT_EQ(a.pair, b.pair);
+  EXPECT_EQ(a.second_from_first.rotation, b.second_from_first.rotation);
+  EXPECT_EQ(a.second_from_first.translation, b.second_from_first.translation);
+  EXPECT_TRUE(std::equal(a.matches.begin(), a.matches.end(), b.matches.begin(), b.matches.end(),
+                         [](FeatureMatch x, FeatureMatch y) { return x.first == y.first && x.second == y.second; }));
+}
 
 TEST(NearestTest, EqualsComparisonOneByOne) {
   Random random(1);
@@ -193,10 +205,31 @@ TEST(MatchingTest, SameResultForAnyNumberOfThreads) {
   const Result<MatchGraph> b = RunMatching(features, clusters, scene.camera(), {}, four);
   ASSERT_TRUE(a.ok() && b.ok());
   ASSERT_EQ(a->pairs.size(), b->pairs.size());
-  for (std::size_t i = 0; i < a->pairs.size(); ++i) {
-    EXPECT_EQ(a->pairs[i].second_from_first.rotation, b->pairs[i].second_from_first.rotation);
-    EXPECT_EQ(a->pairs[i].matches.size(), b->pairs[i].matches.size());
-  }
+  for (std::size_t i = 0; i < a->pairs.size(); ++i) ExpectSame(a->pairs[i], b->pairs[i]);
+}
+
+TEST(MatchingTest, WhatIsKnownOfAPairIsNotMatchedAgain) {
+  const TurntableScene scene;
+  const std::vector<Features> features = {scene.See(0), scene.See(1), scene.See(2)};
+  ViewClusters clusters;
+  clusters.pairs = {{0, 1}, {0, 2}, {1, 2}};
+  const SetMatcher matcher(scene.camera(), false, {}, RunContext().seed);
+  const auto all_take_part = [](const Features& picture) { return std::vector<std::uint8_t>(picture.size(), 0); };
+  const PreparedPicture first = matcher.Prepare(features[0], all_take_part(features[0]));
+  const PreparedPicture second = matcher.Prepare(features[1], all_take_part(features[1]));
+  const FindKnownPair find = [&](const ImagePair& pair) -> std::optional<KnownPair> {
+    if (pair == ImagePair{0, 1}) return KnownPair{matcher.Match(first, second, pair)};
+    return pair == ImagePair{0, 2} ? std::optional(KnownPair{}) : std::nullopt;  // failed; has to be matched
+  };
+  MatchingOptions options;
+  options.drop_static = false;
+  const Result<MatchGraph> alone = RunMatching(features, clusters, scene.camera(), options, {});
+  const Result<MatchGraph> known = RunMatching(features, clusters, scene.camera(), options, {}, false, find);
+  ASSERT_TRUE(alone.ok() && known.ok());
+  ASSERT_EQ(alone->pairs.size(), 3u);
+  ASSERT_EQ(known->pairs.size(), 2u);
+  ExpectSame(known->pairs[0], alone->pairs[0]);
+  ExpectSame(known->pairs[1], alone->pairs[2]);
 }
 
 TEST(MatchingTest, RefusesBadInput) {
@@ -229,6 +262,39 @@ TEST(StaticFeaturesTest, FindsTheBoxBehindTheTurntable) {
     EXPECT_LE(std::accumulate(view.begin(), view.begin() + TurntableScene::kPoints, 0), 4);
     EXPECT_EQ(std::accumulate(view.begin() + TurntableScene::kPoints, view.end(), 0), 30);
   }
+}
+
+TEST(StaticFeaturesTest, WhatComesLaterChangesNothing) {
+  const TurntableScene scene;
+  std::vector<Features> features;
+  for (int view = 0; view < 30; ++view) {
+    features.push_back(scene.See(view));
+    TurntableScene::Add({100, 100}, std::vector<std::uint8_t>(Features::kDimension, 45), features.back());
+  }
+  const auto all = FindStaticFeatures(features, 1, 0.25, {});
+  const auto some = FindStaticFeatures(std::span(features).first(20), 1, 0.25, {});
+  ASSERT_TRUE(all.ok() && some.ok());
+  for (std::size_t i = 0; i < some->size(); ++i) {
+    EXPECT_EQ(some->at(i), all->at(i)) << i;
+    EXPECT_EQ(some->at(i).back(), 1) << i;
+    std::vector<Features> compared;
+    for (const std::size_t other : ComparedForStatic(i, features.size())) compared.push_back(features[other]);
+    EXPECT_EQ(compared.size(), i < kComparedForStatic ? kComparedForStatic - 1 : kComparedForStatic) << i;
+    EXPECT_EQ(FindStaticFeatures(features[i], compared, 1, 0.25), all->at(i)) << i;
+  }
+}
+
+TEST(StaticFeaturesTest, APictureIsComparedWithOthersSpreadOverThoseBeforeIt) {
+  for (const std::size_t image : {0, 5, 11, 12, 40, 359}) {
+    const std::vector<std::size_t> others = ComparedForStatic(image, 360);
+    const std::set<std::size_t> once(others.begin(), others.end());
+    EXPECT_EQ(once.size(), others.size());
+    EXPECT_EQ(once.count(image), 0u);
+    EXPECT_LE(*once.rbegin(), std::max<std::size_t>(image, 11));
+    EXPECT_GE(*once.rbegin() - *once.begin(), image * 4 / 5);
+  }
+  EXPECT_TRUE(ComparedForStatic(0, 1).empty());
+  EXPECT_EQ(ComparedForStatic(1, 3), (std::vector<std::size_t>{2, 0}));
 }
 
 TEST(StaticFeaturesTest, OnePictureHasNone) {

@@ -47,7 +47,9 @@ struct PairTask {
   std::uint64_t seed;
 
   bool IsEnough(const PairMatches& matches) const { return static_cast<int>(matches.size()) >= options.min_inliers; }
-  RansacOptions Ransac(double error) const { return {error, options.confidence, options.max_iterations, seed}; }
+  RansacOptions Ransac(double error) const {
+    return {error, options.confidence, options.max_iterations, seed, options.min_inliers};
+  }
 
   /// Matches by descriptors alone (MatchDescriptors).
   PairMatches Putative() const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -17,6 +18,9 @@ struct RansacOptions {
   double confidence = 0.9999;
   int max_iterations = 2'000;
   std::uint64_t seed = 1;
+  /// Models with fewer inliers are of no use: sampling ends once one with as many would have been found, with the same
+  /// confidence. 0: nothing is known of that.
+  int min_inliers = 0;
 };
 
 /// `kCount` different numbers below `size`, size >= kCount. Plain remainders: the same on every standard library.
@@ -40,6 +44,13 @@ inline double RequiredIterations(std::size_t inliers, std::size_t size, int samp
   if (good >= 1) return 1;
   if (good <= 0) return std::numeric_limits<double>::infinity();
   return std::log(1 - confidence) / std::log1p(-good);
+}
+
+/// The most samples of `sample` pairs each that are worth drawing from `size` pairs.
+inline double MostIterations(std::size_t size, int sample, const RansacOptions& options) {
+  const double enough =
+      RequiredIterations(static_cast<std::size_t>(options.min_inliers), size, sample, options.confidence);
+  return std::min<double>(options.max_iterations, enough);
 }
 
 /// MSAC's cost of a model and the number of its inliers.

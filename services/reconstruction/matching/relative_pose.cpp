@@ -133,8 +133,9 @@ std::optional<RelativePose> EstimateRelativePose(std::span<const PointPair> pair
   if (pairs.size() < kSample) return std::nullopt;
   std::mt19937_64 random(options.seed);
   Candidate best;
-  double required = options.max_iterations;
-  for (int iteration = 0; iteration < std::min<double>(required, options.max_iterations); ++iteration) {
+  const double most = std::max(kMinIterations, MostIterations(pairs.size(), kSample, options));
+  double required = most;
+  for (int iteration = 0; iteration < std::min(required, most); ++iteration) {
     std::array<PointPair, kSample> sample;
     const auto drawn = DrawDistinct<kSample>(pairs.size(), random);
     for (int i = 0; i < kSample; ++i) sample[i] = pairs[drawn[i]];

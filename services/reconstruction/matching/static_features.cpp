@@ -10,7 +10,6 @@
 namespace drupe {
 namespace {
 
-constexpr int kMaxCompared = 12;
 /// Fewer coincidences than this prove nothing.
 constexpr int kMinCoincidences = 3;
 /// The same look: |a - b|^2 of two descriptors of squared norm 512^2, and their ratio of scales.
@@ -34,34 +33,66 @@ bool IsFoundIn(const Features& features, std::size_t i, const Features& other, c
   return found;
 }
 
-/// The pictures with which picture `image` is compared, evenly spread over the set.
-std::vector<std::size_t> ComparedWith(std::size_t image, std::size_t count) {
-  const std::size_t compared = std::min<std::size_t>(kMaxCompared, count - 1);
-  std::vector<std::size_t> others;
-  for (std::size_t k = 1; k <= compared; ++k) others.push_back((image + k * count / (compared + 1)) % count);
-  return others;
+/// Another picture in which static features are looked for.
+struct Compared {
+  const Features* features;
+  const KeypointGrid* grid;
+};
+
+std::vector<std::uint8_t> FindStaticAmong(const Features& picture, std::span<const Compared> compared, float radius,
+                                          double min_share) {
+  const int required = std::max(kMinCoincidences, static_cast<int>(std::ceil(min_share * compared.size())));
+  std::vector<std::uint8_t> is_static(picture.size(), 0);
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    int found = 0;
+    for (const Compared& other : compared) {
+      found += IsFoundIn(picture, i, *other.features, *other.grid, radius) ? 1 : 0;
+    }
+    is_static[i] = found >= required ? 1 : 0;
+  }
+  return is_static;
+}
+
+KeypointGrid GridOf(const Features& picture, float radius) {
+  return KeypointGrid(picture, 4 * radius);
 }
 
 }  // namespace
+
+std::vector<std::size_t> ComparedForStatic(std::size_t image, std::size_t count) {
+  const std::size_t reach = std::max(image + 1, std::min(count, kComparedForStatic));
+  const std::size_t compared = std::min(kComparedForStatic, reach - 1);
+  std::vector<std::size_t> others;
+  for (std::size_t k = 1; k <= compared; ++k) others.push_back((image + k * reach / (compared + 1)) % reach);
+  return others;
+}
+
+std::vector<std::uint8_t> FindStaticFeatures(const Features& picture, std::span<const Features> compared,
+                                             double radius_px, double min_share) {
+  const auto radius = static_cast<float>(radius_px);
+  std::vector<KeypointGrid> grids;
+  grids.reserve(compared.size());
+  std::vector<Compared> others;
+  for (const Features& other : compared) {
+    grids.push_back(GridOf(other, radius));
+    others.push_back({&other, &grids.back()});
+  }
+  return FindStaticAmong(picture, others, radius, min_share);
+}
 
 Result<std::vector<std::vector<std::uint8_t>>> FindStaticFeatures(std::span<const Features> features, double radius_px,
                                                                   double min_share, const RunContext& context) {
   const auto radius = static_cast<float>(radius_px);
   std::vector<KeypointGrid> grids(features.size());
-  DRUPE_RETURN_IF_ERROR(ParallelFor(
-      context, features.size(), [&](std::size_t image) { grids[image] = KeypointGrid(features[image], 4 * radius); }));
+  DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(),
+                                    [&](std::size_t image) { grids[image] = GridOf(features[image], radius); }));
   std::vector<std::vector<std::uint8_t>> is_static(features.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(context, features.size(), [&](std::size_t image) {
-    const std::vector<std::size_t> others = ComparedWith(image, features.size());
-    const int required = std::max(kMinCoincidences, static_cast<int>(std::ceil(min_share * others.size())));
-    is_static[image].assign(features[image].size(), 0);
-    for (std::size_t i = 0; i < features[image].size(); ++i) {
-      int found = 0;
-      for (const std::size_t other : others) {
-        found += IsFoundIn(features[image], i, features[other], grids[other], radius) ? 1 : 0;
-      }
-      is_static[image][i] = found >= required ? 1 : 0;
+    std::vector<Compared> others;
+    for (const std::size_t other : ComparedForStatic(image, features.size())) {
+      others.push_back({&features[other], &grids[other]});
     }
+    is_static[image] = FindStaticAmong(features[image], others, radius, min_share);
   }));
   return is_static;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,10 +11,21 @@
 
 namespace drupe {
 
-/// Finds features that stand still in the picture while the scene turns (a box behind the turntable, dust on the lens):
-/// the same look at the same place, within `radius_px`, in at least `min_share` of the pictures compared, and in 3 at
-/// least. Each picture is compared with up to 12 others spread over the set. Result: per picture, per keypoint, 1 for
-/// static. A camera that moves leaves nothing in its place, so nothing is found then.
+/// How many pictures one is compared with to find its static features, as far as there are so many.
+inline constexpr std::size_t kComparedForStatic = 12;
+
+/// The pictures with which picture `image` of a set of `count` is compared: evenly spread over those before it; for the
+/// first kComparedForStatic, the others of these. What comes later in a set therefore changes nothing about a picture.
+std::vector<std::size_t> ComparedForStatic(std::size_t image, std::size_t count);
+
+/// Finds the features of a picture that stand still while the scene turns (a box behind the turntable, dust on the
+/// lens): the same look at the same place, within `radius_px`, in at least `min_share` of the pictures compared, and in
+/// 3 at least. A camera that moves leaves nothing in its place, so nothing is found then. Result: per keypoint, 1 for
+/// static.
+std::vector<std::uint8_t> FindStaticFeatures(const Features& picture, std::span<const Features> compared,
+                                             double radius_px, double min_share);
+
+/// The same of every picture of a set, each with those that ComparedForStatic names. Errors: `cancelled`.
 Result<std::vector<std::vector<std::uint8_t>>> FindStaticFeatures(std::span<const Features> features, double radius_px,
                                                                   double min_share, const RunContext& context);
 

@@ -111,6 +111,29 @@ TEST(RelativePoseTest, IsTheSameForTheSameSeed) {
   EXPECT_EQ(a->second_from_first.rotation, b->second_from_first.rotation);
 }
 
+TEST(RelativePoseTest, SamplesNoMoreThanAnUsefulModelNeeds) {
+  RansacOptions options{1e-3, 0.9999, 2'000, 1};
+  EXPECT_EQ(MostIterations(40, 5, options), 2'000);
+  options.min_inliers = 20;
+  EXPECT_NEAR(MostIterations(40, 5, options), std::log(1e-4) / std::log1p(-1.0 / 32), 1e-9);
+  EXPECT_EQ(MostIterations(400, 5, options), 2'000);
+  EXPECT_LE(MostIterations(20, 5, options), 1);
+}
+
+TEST(RelativePoseTest, FindsAPoseOfJustEnoughInliers) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    SceneRandom random(seed);
+    std::vector<PointPair> pairs = DrawPairs(20, 0, 1e-5, random);
+    for (PointPair& wrong : DrawPairs(25, 0, 0, random)) {
+      pairs.push_back({wrong.first, {random.Uniform(-0.3, 0.3), random.Uniform(-0.3, 0.3)}});
+    }
+    const auto pose = EstimateRelativePose(pairs, {1e-4, 0.9999, 2'000, seed, 20});
+    ASSERT_TRUE(pose.has_value());
+    EXPECT_GE(pose->inliers.size(), 20u) << seed;
+    EXPECT_LT(RotationError(pose->second_from_first, Turn()), 1e-3) << seed;
+  }
+}
+
 TEST(RelativePoseTest, NeedsFivePairs) {
   SceneRandom random(7);
   EXPECT_FALSE(EstimateRelativePose(DrawPairs(4, 0, 0, random), {1e-3, 0.99, 100, 1}).has_value());

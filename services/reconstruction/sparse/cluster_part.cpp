@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <array>
 
-#include "reconstruction/sparse/archive.h"
+#include "scene/archive.h"
+#include "scene/view_graph_archive.h"
 
 namespace drupe {
 
 // Found by the archive through their arguments, therefore in their namespace.
-
-template <typename Archive>
-void Fields(Archive& archive, Rigid3& pose) {
-  archive(pose.rotation, pose.translation);
-}
 
 template <typename Archive>
 void Fields(Archive& archive, PinholeCamera& camera) {
@@ -44,22 +40,6 @@ template <typename Archive>
 void Fields(Archive& archive, SfmState& state) {
   archive(state.camera, state.observations, state.tracks, state.view_observations, state.board_corners, state.poses,
           state.reasons, state.is_metric, state.ink_spread_mm);
-}
-
-template <typename Archive>
-void Fields(Archive& archive, ImagePair& pair) {
-  archive(pair.first, pair.second);
-}
-
-template <typename Archive>
-void Fields(Archive& archive, FeatureMatch& match) {
-  archive(match.first, match.second);
-}
-
-template <typename Archive>
-void Fields(Archive& archive, TwoViewMatches& pair) {
-  archive(pair.pair, pair.matches, pair.putative_count, pair.second_from_first, pair.calibrated,
-          pair.median_triangulation_angle_rad, pair.homography_inlier_share);
 }
 
 template <typename Archive>
