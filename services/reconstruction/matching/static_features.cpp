@@ -39,16 +39,22 @@ struct Compared {
   const KeypointGrid* grid;
 };
 
+/// `compared`: the nearest first.
 std::vector<std::uint8_t> FindStaticAmong(const Features& picture, std::span<const Compared> compared, float radius,
                                           double min_share) {
-  const int required = std::max(kMinCoincidences, static_cast<int>(std::ceil(min_share * compared.size())));
+  const std::size_t far = compared.size() / 2;  // from here on
+  const auto share_of = [&](std::size_t count) { return static_cast<int>(std::ceil(min_share * count)); };
+  const int required = std::max(kMinCoincidences, share_of(compared.size()));
+  const int required_far = share_of(compared.size() - far);
   std::vector<std::uint8_t> is_static(picture.size(), 0);
   for (std::size_t i = 0; i < picture.size(); ++i) {
-    int found = 0;
-    for (const Compared& other : compared) {
-      found += IsFoundIn(picture, i, *other.features, *other.grid, radius) ? 1 : 0;
+    int found = 0, found_far = 0;
+    for (std::size_t k = 0; k < compared.size(); ++k) {
+      if (!IsFoundIn(picture, i, *compared[k].features, *compared[k].grid, radius)) continue;
+      ++found;
+      found_far += k >= far ? 1 : 0;
     }
-    is_static[i] = found >= required ? 1 : 0;
+    is_static[i] = found >= required && found_far >= required_far ? 1 : 0;
   }
   return is_static;
 }
@@ -64,6 +70,9 @@ std::vector<std::size_t> ComparedForStatic(std::size_t image, std::size_t count)
   const std::size_t compared = std::min(kComparedForStatic, reach - 1);
   std::vector<std::size_t> others;
   for (std::size_t k = 1; k <= compared; ++k) others.push_back((image + k * reach / (compared + 1)) % reach);
+  const auto distance = [image](std::size_t other) { return other > image ? other - image : image - other; };
+  std::stable_sort(others.begin(), others.end(),
+                   [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
   return others;
 }
 
