@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "defect_analysis/defects/corner_cut.h"
 #include "defect_analysis/defects/round_outline.h"
 
 namespace drupe {
@@ -147,9 +148,18 @@ bool IsPartOfDisc(const std::optional<CompletedOutline>& part) {
   return part && part->rms < kDiscRms;
 }
 
+std::vector<Polygon> SplitFurther(const Polygon& first, const Polygon& second, double min_area) {
+  std::vector<Polygon> split = SplitAtNeck(first, min_area);
+  for (Polygon& piece : SplitAtNeck(second, min_area)) split.push_back(std::move(piece));
+  return split;
+}
+
 }  // namespace
 
 std::vector<Polygon> SplitAtNeck(const Polygon& outline, double min_area) {
+  if (const auto parts = CutAtCorners(outline, min_area)) {
+    return SplitFurther((*parts)[0].polygon, (*parts)[1].polygon, min_area);
+  }
   const Watershed::Neck neck = Watershed(outline).Narrowest(0.8 * std::sqrt(min_area / pi));
   if (neck.ratio >= kWideNeck) return {outline};
   const auto [from, to] = NeckEnds(outline, neck.at);
@@ -166,14 +176,7 @@ std::vector<Polygon> SplitAtNeck(const Polygon& outline, double min_area) {
   }
   std::array<std::optional<CompletedOutline>, 2> rounds = {CompleteOutline(parts[0]), CompleteOutline(parts[1])};
   if (neck.ratio >= kNeck && !(IsPartOfDisc(rounds[0]) && IsPartOfDisc(rounds[1]))) return {outline};
-  std::vector<Polygon> split;
-  for (std::size_t k = 0; k < 2; ++k) {
-    const Polygon& part = parts[k];
-    const auto& completed = rounds[k];
-    for (Polygon& piece : SplitAtNeck(completed ? completed->polygon : part, min_area))
-      split.push_back(std::move(piece));
-  }
-  return split;
+  return SplitFurther(rounds[0] ? rounds[0]->polygon : parts[0], rounds[1] ? rounds[1]->polygon : parts[1], min_area);
 }
 
 }  // namespace drupe
