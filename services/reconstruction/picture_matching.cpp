@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <memory>
+#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "reconstruction/derived_cache.h"
 #include "reconstruction/matching/static_features.h"
 #include "reconstruction/picture_features.h"
 #include "scene/archive.h"
+#include "scene/calibration.h"
 #include "scene/view_graph_archive.h"
 
 namespace drupe {

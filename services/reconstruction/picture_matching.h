@@ -1,15 +1,19 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "base/json.h"
 #include "base/run_context.h"
 #include "base/status.h"
 #include "reconstruction/matching/matching.h"
 #include "reconstruction/matching/set_matcher.h"
 #include "reconstruction/pipeline.h"
+#include "scene/features.h"
 #include "scene/view_graph.h"
 
 namespace drupe {
