@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "defect_analysis/defects/sharp_rim.h"
 #include "defect_analysis/defects/stain_edge.h"
 #include "image/colour.h"
 
@@ -60,6 +61,14 @@ double WeightedDifference(const Eigen::Vector3d& colour, const Eigen::Vector3d& 
   return difference.norm();
 }
 
+// The colour difference that neither more light nor less explains: shade takes the same factor off all channels.
+double ContrastBeyondShading(const TransitionField& field, double lightness_weight) {
+  const Eigen::Vector3d &colour = field.defect_linear, &skin = field.healthy_linear;
+  const double shade = std::min(1.0, std::max(1e-3, colour.dot(skin) / skin.squaredNorm()));
+  return std::min(ContrastBeyondLight(field, lightness_weight),
+                  WeightedDifference(colour / shade, skin, lightness_weight));
+}
+
 // Whether a round, even spot is nearly in the colour of gloss, but has a border too sharp for it.
 bool IsTooSharpForGloss(const TransitionField& field, double threshold, const DefectOptions& options) {
   const double level = options.contour.level, min_area = options.cluster.min_area_mm2;
@@ -69,6 +78,29 @@ bool IsTooSharpForGloss(const TransitionField& field, double threshold, const De
   if (!HasStainsEdge(field, level, min_area) || !HasEvenEdge(field, level, min_area)) return false;
   const std::optional<double> width = EdgeWidth(field, level, min_area);
   return width && *width < kSharpestGloss;
+}
+
+// Whether a roundish patch has a stain's edge and no colour that light gives.
+bool HasRoundStain(const TransitionField& field, double threshold, const DefectOptions& options) {
+  const double weight = options.segmentation.lightness_weight;
+  if (field.noise * options.segmentation.local_sigma > 1 || Contrast(field, weight) < threshold) return false;
+  const double beyond_light = std::min(threshold, kTint * options.segmentation.significance_delta_e);
+  if (ContrastBeyondLight(field, weight) < beyond_light && !MayBePigment(field.defect_linear, field.healthy_linear)) {
+    return false;
+  }
+  return HasStainsEdge(field, options.contour.level, options.cluster.min_area_mm2);
+}
+
+// Whether a patch of any form has a sharp rim all along, and the less its colour is beyond what light makes of the
+// skin's, the sharper.
+bool HasSharpStain(const TransitionField& field, double threshold, const DefectOptions& options) {
+  const double weight = options.segmentation.lightness_weight, least = options.segmentation.significance_delta_e;
+  const double level = options.contour.level, min_area = options.cluster.min_area_mm2;
+  const double beyond_light = ContrastBeyondShading(field, weight);
+  if (Contrast(field, weight) < threshold || beyond_light < kSharpTint * least) return false;
+  const std::optional<double> width = EdgeWidth(field, level, min_area);
+  if (!width || (beyond_light < kTint * least && *width >= kSharpestGloss)) return false;
+  return HasSharpRim(field, level, min_area, options.segmentation.local_sigma);
 }
 
 }  // namespace
@@ -92,17 +124,11 @@ bool StandsOut(const TransitionField& field, double threshold, const DefectOptio
       HasEvenEdge(field, options.contour.level, options.cluster.min_area_mm2)) {
     return true;
   }
-  return StandsOutFaintly(field, threshold, options) || IsTooSharpForGloss(field, threshold, options);
+  return HasRoundStain(field, threshold, options) || IsTooSharpForGloss(field, threshold, options);
 }
 
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options) {
-  const double weight = options.segmentation.lightness_weight;
-  if (field.noise * options.segmentation.local_sigma > 1 || Contrast(field, weight) < threshold) return false;
-  const double beyond_light = std::min(threshold, kTint * options.segmentation.significance_delta_e);
-  if (ContrastBeyondLight(field, weight) < beyond_light && !MayBePigment(field.defect_linear, field.healthy_linear)) {
-    return false;
-  }
-  return HasStainsEdge(field, options.contour.level, options.cluster.min_area_mm2);
+  return HasRoundStain(field, threshold, options) || HasSharpStain(field, threshold, options);
 }
 
 }  // namespace drupe

@@ -22,7 +22,8 @@ bool StandsOut(const TransitionField& field, double threshold, const DefectOptio
 
 /// The same for a patch whose contrast, light included, reaches `threshold`: it must have a stain's edge, and where
 /// light alone explains its colour but for a tint that lamps may have, the skin's own light must have changed, as
-/// pigment changes it and gloss does not.
+/// pigment changes it and gloss does not. One that is not roundish, as a scar, must have a sharp rim all along and a
+/// colour that neither light nor shade gives the skin.
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options);
 
 }  // namespace drupe
