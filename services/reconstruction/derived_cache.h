@@ -19,7 +19,7 @@ class DerivedCache {
   virtual ~DerivedCache() = default;
 
   /// The bytes kept under `key`; when there are none, those of `make`, which are then kept. Callers that ask for the
-  /// same key at the same time share the work of the first. Errors: those of `make`, and `cancelled`; a cache that
+  /// same key at the same time share the work of the first, unless it takes long. Errors: those of `make`, and `cancelled`; a cache that
   /// cannot read or write is no error.
   virtual Result<std::string> FindOrMake(const std::string& key, const Make& make, const RunContext& context) = 0;
 

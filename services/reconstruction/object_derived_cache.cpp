@@ -24,7 +24,7 @@ std::string HeadOf(const std::string& key) {
 
 }  // namespace
 
-/// A caller's right to look for a key or make it, alone.
+/// A caller's right to look for a key or make it, alone; or not alone, when the other takes too long.
 class ObjectDerivedCache::Turn {
  public:
   Turn(ObjectDerivedCache& cache, const std::string& key) : cache_(cache), key_(key) {}
@@ -39,9 +39,11 @@ class ObjectDerivedCache::Turn {
 
   Status Take(const RunContext& context) {
     constexpr std::chrono::milliseconds kLook{100};
+    const auto until = std::chrono::steady_clock::now() + cache_.patience_;
     std::unique_lock lock(cache_.mutex_);
     while (!cache_.at_work_.insert(key_).second) {
       DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
+      if (std::chrono::steady_clock::now() >= until) return Status::Ok();
       cache_.ended_.wait_for(lock, kLook);
     }
     taken_ = true;
@@ -55,9 +57,10 @@ class ObjectDerivedCache::Turn {
 };
 
 Result<std::unique_ptr<ObjectDerivedCache>> ObjectDerivedCache::Open(Database& database, ObjectStore& objects,
-                                                                     std::int64_t max_bytes) {
+                                                                     std::int64_t max_bytes,
+                                                                     std::chrono::milliseconds patience) {
   DRUPE_RETURN_IF_ERROR(database.Migrate("derived", kDerivedSchema));
-  return std::unique_ptr<ObjectDerivedCache>(new ObjectDerivedCache(database, objects, max_bytes));
+  return std::unique_ptr<ObjectDerivedCache>(new ObjectDerivedCache(database, objects, max_bytes, patience));
 }
 
 Result<std::string> ObjectDerivedCache::FindOrMake(const std::string& key, const Make& make,
@@ -95,20 +98,27 @@ std::optional<std::string> ObjectDerivedCache::Read(const std::string& key) {
   return object->substr(head.size());
 }
 
-/// The row comes first: a crash between the two leaves a row whose object is missing, which counts as not there.
+/// The row comes first: a crash between the two leaves a row whose object is missing, which counts as not there. What
+/// two callers made of one key is the same, as a rule; where not, the later one's stays.
 Status ObjectDerivedCache::Keep(const std::string& key, std::string_view bytes) {
   const std::string object = HeadOf(key).append(bytes);
   if (static_cast<std::int64_t>(object.size()) > max_bytes_) return Status::Ok();
+  const std::string sha256 = Sha256Hex(object);
+  std::string former;
   DRUPE_RETURN_IF_ERROR(database_.Transaction(Durability::kPowerCut, [&]() -> Status {
+    DRUPE_ASSIGN_OR_RETURN(const auto known, database_.Prepare("SELECT sha256 FROM derived WHERE key = ?"));
+    DRUPE_ASSIGN_OR_RETURN(const bool is_known, known->Bind(key).Step());
+    if (is_known) former = known->Text(0);
     DRUPE_ASSIGN_OR_RETURN(const auto insert,
                            database_.Prepare("INSERT INTO derived (key, sha256, bytes, used_ms) VALUES (?, ?, ?, ?)"
                                              " ON CONFLICT (key) DO UPDATE SET sha256 = excluded.sha256,"
                                              " bytes = excluded.bytes, used_ms = excluded.used_ms"));
-    insert->Bind(key).Bind(Sha256Hex(object)).Bind(static_cast<std::int64_t>(object.size()));
+    insert->Bind(key).Bind(sha256).Bind(static_cast<std::int64_t>(object.size()));
     return insert->Bind(database_.clock().NowMs()).Run();
   }));
-  const Result<ObjectInfo> put = objects_.Put(object);
-  return put.ok() ? MakeRoom() : put.status();
+  DRUPE_RETURN_IF_ERROR(objects_.Put(object).status());
+  if (!former.empty() && former != sha256) DRUPE_RETURN_IF_ERROR(objects_.Remove(former));
+  return MakeRoom();
 }
 
 /// Objects go before their rows, for the same reason.

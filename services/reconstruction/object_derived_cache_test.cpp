@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -27,12 +28,12 @@ class ObjectDerivedCacheTest : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(directory_); }
 
-  void Open(std::int64_t max_bytes) {
+  void Open(std::int64_t max_bytes, std::chrono::milliseconds patience = ObjectDerivedCache::kPatience) {
     cache_.reset();
     database_.reset();
     objects_ = std::move(DiskObjectStore::Open(directory_ / "objects").value());
     database_ = std::move(SqliteDatabase::Open(directory_ / "test.db").value());
-    cache_ = std::move(ObjectDerivedCache::Open(*database_, *objects_, max_bytes).value());
+    cache_ = std::move(ObjectDerivedCache::Open(*database_, *objects_, max_bytes, patience).value());
   }
 
   /// What is under `key`, made from `text` when nothing is.
@@ -112,6 +113,27 @@ TEST_F(ObjectDerivedCacheTest, TooLargeIsNotKept) {
   EXPECT_EQ(Ask("a", "1"), "1");
   EXPECT_EQ(Ask("a", "2"), "2");
   EXPECT_TRUE(StoredObjects().empty());
+}
+
+TEST_F(ObjectDerivedCacheTest, WhatTakesTooLongIsNotWaitedFor) {
+  Open(1'000'000, 5 * kTick);
+  std::promise<void> begun, may_end;
+  std::thread slow([&] {
+    const auto make = [&]() -> Result<std::string> {
+      begun.set_value();
+      may_end.get_future().wait();
+      return std::string("slow");
+    };
+    EXPECT_EQ(cache_->FindOrMake("a", make, {}).value(), "slow");
+  });
+  begun.get_future().wait();
+  EXPECT_EQ(Ask("a", "quick"), "quick");
+  EXPECT_EQ(Ask("a", "again"), "quick");  // which the slow one still holds
+  may_end.set_value();
+  slow.join();
+  EXPECT_EQ(cache_->misses(), 2);
+  EXPECT_EQ(Ask("a", "again"), "slow");
+  EXPECT_EQ(StoredObjects().size(), 1u);
 }
 
 TEST_F(ObjectDerivedCacheTest, ManyAtOnceShareTheWork) {
