@@ -18,7 +18,7 @@ struct SegmentationOptions {
   double lightness_weight = 0.5;    ///< of L against a and b, since shading changes L most; 0..1
   double significance_delta_e = 9;  ///< weighted colour difference from the healthy skin that a defect must reach
   double significance_sigma = 5;    ///< the same in robust standard deviations of the healthy skin
-  double faint_share = 0.6;         ///< of that difference, enough for a roundish spot with a sharp edge; 1: no such
+  double faint_share = 0.6;         ///< of that difference, enough where the rim is as sharp as a stain's; 1: nowhere
   double local_sigma = 3;           ///< the same in those of single points of the skin beside the defect
 
   Status Check() const;
