@@ -19,8 +19,8 @@ class DerivedCache {
   virtual ~DerivedCache() = default;
 
   /// The bytes kept under `key`; when there are none, those of `make`, which are then kept. Callers that ask for the
-  /// same key at the same time share the work of the first, unless it takes long. Errors: those of `make`, and `cancelled`; a cache that
-  /// cannot read or write is no error.
+  /// same key at the same time share the work of the first, unless it takes long. Errors: those of `make`, and
+  /// `cancelled`; a cache that cannot read or write is no error.
   virtual Result<std::string> FindOrMake(const std::string& key, const Make& make, const RunContext& context) = 0;
 
   /// The bytes kept under `key`; nothing when there are none, or none yet. For those who can do without.
