@@ -7,6 +7,7 @@
 #include "defect_analysis/defects/bridge_gaps.h"
 #include "defect_analysis/defects/classify.h"
 #include "defect_analysis/defects/contour.h"
+#include "defect_analysis/defects/measure_defect.h"
 #include "defect_analysis/defects/plane_fit.h"
 #include "defect_analysis/defects/segmentation.h"
 #include "defect_analysis/defects/significance.h"
@@ -380,6 +381,23 @@ TEST(Classify, ConfidenceFallsTowardsAThreshold) {
   const double unclear = Classify(shape, options).confidence;
   EXPECT_GT(clear, 0.95);
   EXPECT_LT(unclear, 0.6);
+}
+
+TEST(IsEstablished, NotWithARaggedOutlineOnBadlySeenSkin) {
+  Defect defect;
+  defect.area_mm2 = 1.8;
+  defect.length_mm = 2.0;
+  defect.width_mm = 1.15;
+  defect.area_uncertainty_mm2 = 0.24;
+  EXPECT_TRUE(IsEstablished(defect));
+  defect.area_uncertainty_mm2 = 0.27;
+  EXPECT_FALSE(IsEstablished(defect));
+  defect.completed = true;
+  EXPECT_TRUE(IsEstablished(defect));
+  defect.completed = false;
+  defect.length_mm = 4;
+  defect.width_mm = 0.55;
+  EXPECT_TRUE(IsEstablished(defect));
 }
 
 }  // namespace

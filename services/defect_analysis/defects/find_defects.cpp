@@ -63,7 +63,7 @@ std::vector<Defect> MeasurePatch(const Skin& skin, const Candidates& candidates,
                              : SeparateHidden(*field, candidates, options);
   for (const Outline& outline : found.outlines) {
     auto defect = MeasureDefect(skin.measured, skin.map, outline, options, seed + number);
-    if (defect) defects.push_back(std::move(*defect));
+    if (defect && IsEstablished(*defect)) defects.push_back(std::move(*defect));
   }
   return defects;
 }

@@ -185,4 +185,11 @@ std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map,
   return defect;
 }
 
+bool IsEstablished(const Defect& defect) {
+  constexpr double kLong = 2.5;              // length over width
+  constexpr double kMostUncertain = 1. / 7;  // of the area
+  if (defect.completed || defect.length_mm > kLong * defect.width_mm) return true;
+  return defect.area_uncertainty_mm2 <= kMostUncertain * defect.area_mm2;
+}
+
 }  // namespace drupe

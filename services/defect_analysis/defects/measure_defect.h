@@ -15,4 +15,10 @@ namespace drupe {
 std::optional<Defect> MeasureDefect(const FruitCloud& fruit, const SkinMap& map, const Outline& outline,
                                     const DefectOptions& options, std::uint64_t seed);
 
+/// Whether a measured defect is known well enough to be one. Where skin is seen badly, as between fruits that stand
+/// close together, points of a wrong colour or slant lie scattered and give a ragged outline: one that is not long
+/// (threads are known less exactly by nature) nor partly hidden, and whose area has a standard uncertainty above a
+/// seventh, is none.
+bool IsEstablished(const Defect& defect);
+
 }  // namespace drupe
