@@ -63,6 +63,111 @@ TEST(ColourPoints, AMatchedOwnerCounts) {
   EXPECT_EQ(ColourOfPoint({kSkin, kGloss}, 2), kSkin);
 }
 
+/// A surface of 5 x 5 mm pixels facing views 0, 1 and 2 that stand side by side, 50 before it.
+struct Wall {
+  DenseOptions options;
+  DenseScene scene;
+  LevelContext context;
+  std::vector<PatchMap> maps;
+  PointCloud cloud;
+
+  Wall() {
+    options.min_height_mm = -100;  // there is no board
+    scene.options = &options;
+    scene.typical_depth = 50;
+    context.scene = &scene;
+    for (int k = 0; k < 3; ++k) {
+      DenseView view;
+      view.centre = Eigen::Vector3d(2.0 * k, 0, -50);
+      view.cam_from_world.translation = -view.centre;
+      view.camera = {200, 200, 59.5, 49.5};
+      view.rgb = RgbImage(128, 100, 3);
+      context.cameras.push_back(view.camera);
+      scene.views.push_back(std::move(view));
+      scene.neighbours.push_back({(k + 1) % 3, (k + 2) % 3});
+      maps.emplace_back(0, 4, 128, 100, 0.001f);
+    }
+    for (int y = 5; y < 95; ++y) {
+      for (int x = 15; x < 105; ++x) {
+        cloud.positions.emplace_back((x - 59.5f) / 4, (y - 49.5f) / 4, 0.0f);
+        cloud.normals.emplace_back(-Eigen::Vector3f::UnitZ());
+        cloud.view_counts.push_back(3);
+      }
+    }
+  }
+
+  /// Paints what view k shows: `grey(x, y)`, at world positions in mm.
+  template <typename Grey>
+  void Paint(int k, const Grey& grey) {
+    RgbImage& picture = scene.views[k].rgb;
+    for (int v = 0; v < picture.height(); ++v) {
+      for (int u = 0; u < picture.width(); ++u) {
+        const double x = (u - 59.5) / 4 + 2.0 * k, y = (v - 49.5) / 4;
+        for (int c = 0; c < 3; ++c) picture.At(u, v, c) = static_cast<std::uint8_t>(grey(x, y));
+      }
+    }
+  }
+
+  /// Puts a patch that is nearer than the wall, at `depth`, into the cell of view k that shows (x, y).
+  void PutBefore(int k, double x, double y, double depth) {
+    const Eigen::Vector2d pixel = context.cameras[k].Pixel(Eigen::Vector3d(x, y, 0) - scene.views[k].centre);
+    PatchCell& cell = maps[k].At(maps[k].CellOf(pixel.x()), maps[k].CellOf(pixel.y()));
+    cell.w = static_cast<float>(1 / depth);
+    cell.ncc = 0.9f;
+  }
+
+  /// The grey of the point nearest to (x, y), coloured with the lamps' doing left in.
+  int ColourAt(double x, double y) {
+    std::size_t nearest = 0;
+    const Eigen::Vector3f place(static_cast<float>(x), static_cast<float>(y), 0);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      if ((cloud.positions[i] - place).norm() < (cloud.positions[nearest] - place).norm()) nearest = i;
+    }
+    EXPECT_TRUE(ColourPoints(context, maps, std::vector<int>(cloud.size(), 0), false, {}, &cloud).ok());
+    return cloud.colours[nearest][0];
+  }
+};
+
+TEST(ColourPoints, AnOwnerFromWhichThePointIsHiddenHasNoSay) {
+  Wall wall;
+  wall.Paint(0, [](double, double) { return 180; });
+  wall.Paint(1, [](double, double) { return 100; });
+  wall.Paint(2, [](double, double) { return 104; });
+  wall.PutBefore(0, 0, 0, 40);
+  EXPECT_NEAR(wall.ColourAt(0, 0), 102, 3);
+  EXPECT_NEAR(wall.ColourAt(8, 8), 102, 3);  // the median, where all see it
+}
+
+TEST(ColourPoints, NeitherHasAViewWithAnotherSurfacesEdgeBesideThePoint) {
+  Wall wall;
+  wall.Paint(0, [](double, double) { return 180; });
+  wall.Paint(1, [](double, double) { return 176; });
+  wall.Paint(2, [](double, double) { return 100; });
+  for (const int view : {0, 1}) wall.PutBefore(view, 0.5, 0, 40);  // 2.5 pixels beside
+  EXPECT_NEAR(wall.ColourAt(0, 0), 100, 3);
+  EXPECT_NEAR(wall.ColourAt(-8, 8), 178, 3);
+}
+
+TEST(ColourPoints, AShadowThatSomeViewsHaveMakesNoMosaic) {
+  Wall wall;
+  // Right of x = 0 view 1 stands in a shade, and every other column of half a millimetre glares in the other two.
+  const auto glares = [](double x) { return x > 0 && static_cast<int>(2 * x) % 2 == 0; };
+  for (const int view : {0, 2}) {
+    wall.Paint(view, [&](double x, double) { return glares(x) ? 255 : 160; });
+  }
+  wall.Paint(1, [](double x, double) { return x > 0 ? 128 : 160; });
+  const std::vector<int> owners(wall.cloud.size(), 0);
+  ASSERT_TRUE(ColourPoints(wall.context, wall.maps, owners, true, {}, &wall.cloud).ok());
+  std::pair<int, int> right{255, 0};
+  for (std::size_t i = 0; i < wall.cloud.size(); ++i) {
+    const double x = wall.cloud.positions[i].x(), column = std::fmod(2 * x, 1.0);
+    if (x < 4 || x > 9 || column < 0.3 || column > 0.7) continue;  // clear of the columns' borders
+    right = {std::min<int>(right.first, wall.cloud.colours[i][1]),
+             std::max<int>(right.second, wall.cloud.colours[i][1])};
+  }
+  EXPECT_LT(right.second - right.first, 6);
+}
+
 /// How bright a lamp above the camera makes a surface with this normal.
 double Lit(const Eigen::Vector3d& normal_in_cam) {
   return 0.35 + 0.65 * std::max(0.0, normal_in_cam.dot(Eigen::Vector3d(0.2, -0.6, -0.77)));
