@@ -51,6 +51,24 @@ TEST(RunAnalysis, MeasuresRandomFruits) {
   EXPECT_GE(covered, 0.8 * of);
 }
 
+// A scar 4.6 Lab units from its skin, below what the second look takes for a contrast.
+TEST(RunAnalysis, FindsAFaintScarByItsRim) {
+  RandomFruit fruit = MakeRandomFruit(12034, {.spacing_mm = 0.12});
+  AnalysisInput input;
+  input.cloud = std::move(fruit.cloud);
+  input.scale_source = ScaleSource::kBoard;
+  const auto report = RunAnalysis(input, {}, {});
+  ASSERT_TRUE(report.ok());
+  ASSERT_EQ(report->fruits.size(), 1u);
+  EXPECT_EQ(report->fruits[0].defects.size(), fruit.truth.defects.size());
+  EXPECT_EQ(report->fruits[0].grade, DefectClass::kScar);
+  for (const TrueDefect& truth : fruit.truth.defects) {
+    const Defect* defect = NearestTo(report->fruits[0], truth);
+    ASSERT_NE(defect, nullptr);
+    EXPECT_NEAR(defect->area_mm2 / truth.area_mm2, 1, 0.05);
+  }
+}
+
 TEST(MakeRandomFruit, IsTheSameForTheSameSeed) {
   const RandomFruitOptions coarse{.spacing_mm = 0.4, .touching_share = 0.25, .intact_share = 0.15};
   const RandomFruit a = MakeRandomFruit(5, coarse), b = MakeRandomFruit(5, coarse), c = MakeRandomFruit(6, coarse);

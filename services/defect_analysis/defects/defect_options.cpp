@@ -23,6 +23,7 @@ void VisitFields(Options& o, const Visit& visit) {
   visit("significance_delta_e", o.significance_delta_e);
   visit("significance_sigma", o.significance_sigma);
   visit("faint_share", o.faint_share);
+  visit("faintest_share", o.faintest_share);
   visit("local_sigma", o.local_sigma);
 }
 
@@ -131,6 +132,7 @@ Status SegmentationOptions::Check() const {
   if (!IsWithin(significance_delta_e, 1, 100)) return RefuseOption("segmentation.significance_delta_e", "1 to 100");
   if (!IsWithin(significance_sigma, 1, 100)) return RefuseOption("segmentation.significance_sigma", "1 to 100");
   if (!IsWithin(faint_share, 0.3, 1)) return RefuseOption("segmentation.faint_share", "0.3 to 1");
+  if (!IsWithin(faintest_share, 0.3, 1)) return RefuseOption("segmentation.faintest_share", "0.3 to 1");
   if (!IsWithin(local_sigma, 0, 100)) return RefuseOption("segmentation.local_sigma", "0 to 100");
   return Status::Ok();
 }

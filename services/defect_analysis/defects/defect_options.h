@@ -19,6 +19,7 @@ struct SegmentationOptions {
   double significance_delta_e = 9;  ///< weighted colour difference from the healthy skin that a defect must reach
   double significance_sigma = 5;    ///< the same in robust standard deviations of the healthy skin
   double faint_share = 0.6;         ///< of that difference, enough where the rim is as sharp as a stain's; 1: nowhere
+  double faintest_share = 0.45;     ///< the same where the whole rim is sharp, as a faint scar's; 1: nowhere
   double local_sigma = 3;           ///< the same in those of single points of the skin beside the defect
 
   Status Check() const;

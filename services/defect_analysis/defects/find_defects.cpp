@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
 #include "defect_analysis/defects/bridge_gaps.h"
@@ -26,10 +27,13 @@ struct Skin {
   const SkinMap& map;
 };
 
+// Looks at the skin, for ever lower contrasts and with ever stricter questions.
+enum class Look { kClear, kFaint, kFaintest };
+
 // Patches of significant cells, to be looked at one by one.
 struct Candidates {
   double threshold = 0;  // Segmentation::threshold
-  bool faint = false;
+  Look look = Look::kClear;
   std::vector<Patch> patches{};
   std::vector<std::int32_t> patch_of{};
 };
@@ -46,8 +50,20 @@ double MeasuredShare(const Skin& skin, const Patch& patch) {
 
 // Two defects that touch, where their joint patch does not stand out: its colour and edge are those of neither.
 Outlines SeparateHidden(const TransitionField& field, const Candidates& candidates, const DefectOptions& options) {
-  if (candidates.faint) return {};
+  if (candidates.look != Look::kClear) return {};
   return SeparateLayers(field, candidates.threshold, options);
+}
+
+bool IsSignificant(const TransitionField& field, const Candidates& candidates, const DefectOptions& options) {
+  switch (candidates.look) {
+    case Look::kClear:
+      return StandsOut(field, candidates.threshold, options);
+    case Look::kFaint:
+      return StandsOutFaintly(field, candidates.threshold, options);
+    case Look::kFaintest:
+      return StandsOutByItsRim(field, candidates.threshold, options);
+  }
+  return false;
 }
 
 std::vector<Defect> MeasurePatch(const Skin& skin, const Candidates& candidates, std::size_t number,
@@ -57,8 +73,7 @@ std::vector<Defect> MeasurePatch(const Skin& skin, const Candidates& candidates,
   if (MeasuredShare(skin, patch) < kMeasuredShare) return defects;
   auto field = BuildTransitionField(skin.bridged, skin.map, patch, static_cast<int>(number), candidates.patch_of);
   if (!field) return defects;
-  const auto stands_out = candidates.faint ? StandsOutFaintly : StandsOut;
-  const Outlines found = stands_out(*field, candidates.threshold, options)
+  const Outlines found = IsSignificant(*field, candidates, options)
                              ? SeparateDefects(std::move(*field), candidates.threshold, options)
                              : SeparateHidden(*field, candidates, options);
   for (const Outline& outline : found.outlines) {
@@ -76,21 +91,19 @@ Candidates FindCandidates(const Skin& skin, const SkinColours& colours, const De
   return candidates;
 }
 
-// A second look at colours of a lower contrast, clear of what the first look saw.
-Candidates FindFaintCandidates(const Skin& skin, const SkinColours& colours, const Candidates& first,
-                               const DefectOptions& options) {
-  DefectOptions lower = options;
-  lower.segmentation.significance_delta_e *= options.segmentation.faint_share;
-  lower.segmentation.significance_sigma *= options.segmentation.faint_share;
-  Segmentation segmentation = SegmentColours(colours.deviation, colours.seen, colours.sigma, lower.segmentation);
-  std::vector<std::uint8_t> taken(first.patch_of.size());
-  for (std::size_t cell = 0; cell < taken.size(); ++cell) taken[cell] = first.patch_of[cell] >= 0 ? 1 : 0;
+// Another look at colours of a lower contrast, clear of the cells that are `taken`.
+Candidates FindFainter(const Skin& skin, const SkinColours& colours, const std::vector<std::uint8_t>& taken,
+                       double share, Look look, const DefectOptions& options) {
+  SegmentationOptions lower = options.segmentation;
+  lower.significance_delta_e *= share;
+  lower.significance_sigma *= share;
+  Segmentation segmentation = SegmentColours(colours.deviation, colours.seen, colours.sigma, lower);
   const int halo = static_cast<int>(std::ceil(kHalo / skin.map.CellSize()));
   const std::vector<int> steps = StepsFrom(skin.map, taken, halo);
   for (std::size_t cell = 0; cell < taken.size(); ++cell) {
     if (steps[cell] <= halo) segmentation.class_of[cell] = 0;
   }
-  Candidates candidates{.threshold = segmentation.threshold, .faint = true};
+  Candidates candidates{.threshold = segmentation.threshold, .look = look};
   candidates.patches = FindPatches(skin.map, segmentation, options.cluster, &candidates.patch_of);
   for (std::size_t cell = 0; cell < taken.size(); ++cell) {
     if (steps[cell] <= halo) candidates.patch_of[cell] = -2;  // no healthy skin either
@@ -98,14 +111,20 @@ Candidates FindFaintCandidates(const Skin& skin, const SkinColours& colours, con
   return candidates;
 }
 
+// Adds the defects among the candidates to `defects`, and takes the cells of their patches. A clear patch's cells are
+// taken in any case: what it is has been settled.
 Status MeasureAll(const Skin& skin, const Candidates& candidates, const DefectOptions& options,
-                  const RunContext& context, std::vector<Defect>& defects) {
+                  const RunContext& context, std::vector<Defect>* defects, std::vector<std::uint8_t>* taken) {
   std::vector<std::vector<Defect>> measured(candidates.patches.size());
   DRUPE_RETURN_IF_ERROR(ParallelFor(context, measured.size(), [&](std::size_t k) {
     measured[k] = MeasurePatch(skin, candidates, k, options, context.seed);
   }));
   DRUPE_RETURN_IF_ERROR(context.CheckCancelled());
-  for (auto& list : measured) defects.insert(defects.end(), list.begin(), list.end());
+  for (auto& list : measured) defects->insert(defects->end(), list.begin(), list.end());
+  for (std::size_t cell = 0; cell < taken->size(); ++cell) {
+    const std::int32_t patch = candidates.patch_of[cell];
+    if (patch >= 0 && (candidates.look == Look::kClear || !measured[patch].empty())) (*taken)[cell] = 1;
+  }
   return Status::Ok();
 }
 
@@ -120,10 +139,14 @@ Result<std::vector<Defect>> FindDefects(const FruitCloud& fruit, const DefectOpt
   const Skin skin{.measured = fruit, .bridged = bridged, .map = map};
   std::vector<Defect> defects;
   const Candidates clear = FindCandidates(skin, colours, options);
-  DRUPE_RETURN_IF_ERROR(MeasureAll(skin, clear, options, context, defects));
-  if (options.segmentation.faint_share < 1) {
-    const Candidates faint = FindFaintCandidates(skin, colours, clear, options);
-    DRUPE_RETURN_IF_ERROR(MeasureAll(skin, faint, options, context, defects));
+  std::vector<std::uint8_t> taken(clear.patch_of.size(), 0);
+  DRUPE_RETURN_IF_ERROR(MeasureAll(skin, clear, options, context, &defects, &taken));
+  const std::pair<double, Look> looks[] = {{options.segmentation.faint_share, Look::kFaint},
+                                           {options.segmentation.faintest_share, Look::kFaintest}};
+  for (const auto& [share, look] : looks) {
+    if (share == 1) continue;
+    const Candidates fainter = FindFainter(skin, colours, taken, share, look, options);
+    DRUPE_RETURN_IF_ERROR(MeasureAll(skin, fainter, options, context, &defects, &taken));
   }
   std::stable_sort(defects.begin(), defects.end(),
                    [](const Defect& a, const Defect& b) { return a.area_mm2 > b.area_mm2; });

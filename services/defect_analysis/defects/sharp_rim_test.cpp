@@ -115,5 +115,18 @@ TEST(StandsOutFaintly, AScarNearlyInTheColourOfGlossDoesWhereItsRimIsSharper) {
   }
 }
 
+TEST(StandsOutByItsRim, AScarDoesAndAnEvenSpotWithASoftBorderDoesNot) {
+  constexpr double kThreshold = 4;
+  const FruitSurface ball = RimBall();
+  for (const double edge : {0.3, 1.2}) {
+    TransitionField field = Strip(ball, 0.7, edge);
+    field.healthy_linear = Eigen::Vector3d(0.38, 0.378, 0.203);
+    field.defect_linear = Eigen::Vector3d(0.44, 0.394, 0.23);
+    EXPECT_NEAR(Contrast(field, 0.5), 4.6, 0.6);
+    EXPECT_EQ(StandsOutByItsRim(field, kThreshold, {}), edge < 0.5);
+    EXPECT_FALSE(StandsOutByItsRim(field, 5.4, {}));
+  }
+}
+
 }  // namespace
 }  // namespace drupe

@@ -131,4 +131,8 @@ bool StandsOutFaintly(const TransitionField& field, double threshold, const Defe
   return HasRoundStain(field, threshold, options) || HasSharpStain(field, threshold, options);
 }
 
+bool StandsOutByItsRim(const TransitionField& field, double threshold, const DefectOptions& options) {
+  return HasSharpStain(field, threshold, options);
+}
+
 }  // namespace drupe

@@ -26,4 +26,7 @@ bool StandsOut(const TransitionField& field, double threshold, const DefectOptio
 /// colour that neither light nor shade gives the skin.
 bool StandsOutFaintly(const TransitionField& field, double threshold, const DefectOptions& options);
 
+/// The same for a contrast so low that only a sharp rim all along, of whatever form, tells a stain from uneven skin.
+bool StandsOutByItsRim(const TransitionField& field, double threshold, const DefectOptions& options);
+
 }  // namespace drupe
