@@ -1,7 +1,7 @@
 #include "reconstruction/dense/looks.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "reconstruction/dense/visibility.h"
 
@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kFrontalShare = 0.75;  ///< a view's score against the best: beyond it the skin is seen aslant
 constexpr double kLeastShare = 0.4;     ///< the same where few see it from the front
+constexpr double kAnyShare = std::numeric_limits<double>::infinity();
 constexpr int kEnoughLooks = 4;
 constexpr float kSightTolerance = 2.0f;  ///< pixels of parallax, for visibility
 constexpr double kBeside = 0.02;         ///< of the distance: what lies by so much nearer is another surface
@@ -90,7 +91,7 @@ Looks LookCollector::Collect(int owner, bool matched, const SurfaceElement& elem
   Looks looks;
   const double best = ViewScore(*context_.scene, owner, element);
   if (matched && !IsHidden(owner, element)) Add(owner, element, 1.0, &looks);
-  AddNeighbours(owner, element, best, kFrontalShare, 1e9, &looks);
+  AddNeighbours(owner, element, best, kFrontalShare, kAnyShare, &looks);
   if (looks.count < kEnoughLooks) AddNeighbours(owner, element, best, kLeastShare, kFrontalShare, &looks);
   if (looks.count == 0) Add(owner, element, 1.0, &looks);
   return looks;

@@ -28,17 +28,17 @@ class LookCollector {
   /// `maps` are the patches of all views at the level of `context`; both must outlive the collector.
   LookCollector(const LevelContext& context, const std::vector<PatchMap>& maps);
 
-  /// The looks of the point's owner and of its neighbours in their order, without those from too far aside, those that
-  /// are saturated, and those where another surface lies before the point, or so close beside it in the picture that
-  /// the pixels may mix. An owner in whose picture no other view agreed, `matched` false, owns a point that it
-  /// borrowed: it shows a highlight there, or the edge of what stands in front. It is asked only where no other view
-  /// sees the point, like one from which the point is hidden.
+  /// The looks of the point's owner and of its neighbours in their order, frontal ones first, those from aside only
+  /// where there are few; without those that are saturated, and those where another surface lies before the point, or
+  /// so close beside it in the picture that the pixels may mix. An owner in whose picture no other view agreed,
+  /// `matched` false, owns a point that it borrowed: it shows a highlight there, or the edge of what stands in front.
+  /// It is asked only where no other view sees the point, like one from which the point is hidden.
   Looks Collect(int owner, bool matched, const SurfaceElement& element) const;
 
  private:
   bool IsHidden(int view, const SurfaceElement& element) const;
   void Add(int view, const SurfaceElement& element, double share, Looks* looks) const;
-
+  /// Those of the owner's neighbours whose score is at least `least` times `best` and less than `below` times it.
   void AddNeighbours(int owner, const SurfaceElement& element, double best, double least, double below,
                      Looks* looks) const;
 
