@@ -108,8 +108,9 @@ class Workers {
                             ReconstructStages());
     reconstructions_.Handle(kPartKind, PartJob(*stores.objects, limits));
     announcements_.Handle(kAnnounceKind, AnnounceJob(*stores.jobs, analysis));
-    preparations_.Handle(kPrepareKind, PrepareJob(*stores.objects, *stores.sets, *stores.derived, limits));
-    preparations_.Handle(kMatchKind, MatchJob(*stores.objects, *stores.sets, *stores.derived, limits));
+    const ArrivalStores arrival{*stores.objects, *stores.sets, *stores.derived, limits};
+    preparations_.Handle(kPrepareKind, PrepareJob(arrival));
+    preparations_.Handle(kMatchKind, MatchJob(arrival));
   }
 
   Status Start() {

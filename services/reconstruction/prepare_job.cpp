@@ -36,6 +36,10 @@ std::string KeyOf(const std::string& kind, const std::string& set, const StoredI
   return kind + ":" + set + ":" + Sha256Hex(image.name + "/" + image.sha256);
 }
 
+ReconstructionInput InputOf(const ReconstructRequest& request, const ArrivalStores& stores) {
+  return MakeInput(request, stores.objects, &stores.cache, stores.limits);
+}
+
 /// The request with the pictures that its set has now.
 Result<ReconstructRequest> WithPresentImages(ReconstructRequest request, ImageSetStore& sets) {
   DRUPE_ASSIGN_OR_RETURN(ImageSet set, sets.Get(request.image_set));
@@ -70,7 +74,7 @@ Result<Json> PrepareJob::operator()(const Job& job, const RunContext& context) c
   LowerThreadPriority();
   DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest request, FromPayload(job.payload));
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOptions options, ParseReconstructionOptions(request.options));
-  const ReconstructionInput input = MakeInput(request, objects_, &cache_, limits_);
+  const ReconstructionInput input = InputOf(request, stores_);
   std::size_t features = 0;
   std::vector<std::string> candidates;
   for (const SourceImage& image : input.images) {
@@ -85,18 +89,18 @@ Result<std::vector<std::string>> PrepareJob::Compare(const SourceImage& image, c
                                                      const ReconstructRequest& request,
                                                      const ReconstructionOptions& options,
                                                      const RunContext& context) const {
-  DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest present, WithPresentImages(request, sets_));
-  return DescribeArrived(image, features, MakeInput(present, objects_, &cache_, limits_), options, context);
+  DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest present, WithPresentImages(request, stores_.sets));
+  return DescribeArrived(image, features, InputOf(present, stores_), options, context);
 }
 
 Result<Json> MatchJob::operator()(const Job& job, const RunContext& context) const {
   LowerThreadPriority();
   DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest request, FromPayload(job.payload));
   DRUPE_ASSIGN_OR_RETURN(const ReconstructionOptions options, ParseReconstructionOptions(request.options));
-  const ReconstructionInput arrived = MakeInput(request, objects_, &cache_, limits_);
+  const ReconstructionInput arrived = InputOf(request, stores_);
   const auto match = [&](const SourceImage& image) -> Result<int> {
-    DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest present, WithPresentImages(request, sets_));
-    const ReconstructionInput set = MakeInput(present, objects_, &cache_, limits_);
+    DRUPE_ASSIGN_OR_RETURN(const ReconstructRequest present, WithPresentImages(request, stores_.sets));
+    const ReconstructionInput set = InputOf(present, stores_);
     if (!IsTimeToMatch(image, set)) return 0;
     DRUPE_ASSIGN_OR_RETURN(const Features features, FindFeatures(image, set, options, context));
     DRUPE_ASSIGN_OR_RETURN(const std::vector<std::string> alike,

@@ -21,6 +21,14 @@ namespace drupe {
 inline constexpr const char* kPrepareKind = "prepare";
 inline constexpr const char* kMatchKind = "match";
 
+/// What the jobs for arriving pictures work on. Stores and cache must outlive the jobs.
+struct ArrivalStores {
+  ObjectStore& objects;
+  ImageSetStore& sets;
+  DerivedCache& cache;
+  Limits limits;
+};
+
 /// The job that is left for every picture which arrives in an image set: finds what the reconstruction will need of it
 /// and leaves it in the cache, so that little is left to do after the last picture. A job, so that a crash loses none,
 /// a picture on which the program dies is given up after a few attempts, and another machine may do it. Runs at a low
@@ -28,9 +36,7 @@ inline constexpr const char* kMatchKind = "match";
 /// are, and what DescribeArrived tells of the pictures that came before, for whoever looks on (PreparationsOf).
 class PrepareJob {
  public:
-  /// Stores and cache must outlive the job.
-  PrepareJob(ObjectStore& objects, ImageSetStore& sets, DerivedCache& cache, const Limits& limits)
-      : objects_(objects), sets_(sets), cache_(cache), limits_(limits) {}
+  explicit PrepareJob(const ArrivalStores& stores) : stores_(stores) {}
 
   Result<Json> operator()(const Job& job, const RunContext& context) const;
 
@@ -40,27 +46,19 @@ class PrepareJob {
                                            const ReconstructRequest& request, const ReconstructionOptions& options,
                                            const RunContext& context) const;
 
-  ObjectStore& objects_;
-  ImageSetStore& sets_;
-  DerivedCache& cache_;
-  const Limits limits_;
+  const ArrivalStores stores_;
 };
 
 /// The second job that is left for every picture, done when no picture waits to be prepared: MatchArrived, with the
 /// pictures most like it. Its result is {"pairs"}: how many were matched.
 class MatchJob {
  public:
-  /// Stores and cache must outlive the job.
-  MatchJob(ObjectStore& objects, ImageSetStore& sets, DerivedCache& cache, const Limits& limits)
-      : objects_(objects), sets_(sets), cache_(cache), limits_(limits) {}
+  explicit MatchJob(const ArrivalStores& stores) : stores_(stores) {}
 
   Result<Json> operator()(const Job& job, const RunContext& context) const;
 
  private:
-  ObjectStore& objects_;
-  ImageSetStore& sets_;
-  DerivedCache& cache_;
-  const Limits limits_;
+  const ArrivalStores stores_;
 };
 
 /// Leaves both jobs for `image`; `announced` is what will be asked of its set, as far as it is known. Does nothing
