@@ -172,10 +172,13 @@ bool AreTwoDefects(const LayerOutlines& a, const LayerOutlines& b) {
   return smaller.IsRound() || smaller.IsLong() || (a.IsRound() && b.IsRound());
 }
 
-// Whether one of two touching defects would stand out alone. One that is nearly as light as gloss is told by its edge.
-bool LayerStandsOut(const ColourLayer& layer, double threshold, const DefectOptions& options) {
+// Whether one of two touching defects would stand out alone. One that is nearly as light as gloss is told by its edge,
+// and a faint one by its form: light and shade beside a defect are not long and of another hue.
+bool LayerStandsOut(const ColourLayer& layer, const LayerOutlines& traced, double threshold,
+                    const DefectOptions& options) {
   return ContrastBeyondLight(layer.field, options.segmentation.lightness_weight) >= threshold ||
-         StandsOut(layer.field, threshold, options);
+         StandsOut(layer.field, threshold, options) ||
+         (traced.IsLong() && HasColourOfItsOwn(layer.field, options.segmentation.faint_share * threshold, options));
 }
 
 // Whether a defect of one colour lies mostly within one of the other: then it is a lighter or darker part of it. A
@@ -229,8 +232,8 @@ Outlines SeparateLayers(const TransitionField& field, double threshold, const De
     pieces.resize(1);  // the largest; the others may be highlights on the first
     second = Gather(layers[1], pieces, min_area);
   }
-  if (!AreTwoDefects(first, second) || !LayerStandsOut(layers[0], threshold, options) ||
-      !LayerStandsOut(layers[1], threshold, options)) {
+  if (!AreTwoDefects(first, second) || !LayerStandsOut(layers[0], first, threshold, options) ||
+      !LayerStandsOut(layers[1], second, threshold, options)) {
     return result;
   }
   result.fields.reserve(layers.size());  // the outlines point into it

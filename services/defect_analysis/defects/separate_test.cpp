@@ -122,6 +122,29 @@ TEST(SeparateDefects, TellsADarkSpotFromAPaleOneThatIsNearlyAsGloss) {
   EXPECT_NEAR(SignedArea(found.outlines[1].polygon), pi * 1.44, 0.1);
 }
 
+// On brown skin: the crack differs from it by 8.2 Lab units, less than what stands alone must; shade as dark does too.
+TEST(SeparateDefects, TellsAFaintCrackFromASpotItTouchesAndLeavesShade) {
+  const FruitSurface surface = Ball();
+  const Eigen::Vector3f red(0.947f, -0.528f, -0.278f), crack(-0.388f, -0.36f, -0.17f), shade(-0.36f, -0.36f, -0.36f);
+  const auto strip = [](const Eigen::Vector2d& p) {
+    return static_cast<float>(std::clamp(0.5 + (0.25 - std::abs(p.y())) / 0.2, 0.0, 1.0)) *
+           (std::abs(p.x()) < 2.4 ? 1.0f : 0.0f);
+  };
+  const auto spot = [](const Eigen::Vector2d& p) { return Disc(p, {0.3, 1.1}, 1.1); };
+  for (const Eigen::Vector3f& dark : {crack, shade}) {
+    TransitionField field = FieldOf(
+        surface, [&](const Eigen::Vector2d& p) { return (1 - strip(p)) * spot(p); },
+        [&](const Eigen::Vector2d& p) { return Eigen::Vector3f(strip(p) * dark + (1 - strip(p)) * spot(p) * red); });
+    field.healthy_linear = Eigen::Vector3d(0.170, 0.089, 0.036);
+    field.defect_linear = Eigen::Vector3d(0.331, 0.042, 0.026);
+    TakeInside(strip, field);
+    EXPECT_EQ(SeparateDefects(field, 9, {}).outlines.size(), dark == crack ? 2u : 1u);
+    DefectOptions clear_ones;
+    clear_ones.segmentation.faint_share = 1;
+    EXPECT_EQ(SeparateDefects(field, 9, clear_ones).outlines.size(), 1u);
+  }
+}
+
 TEST(SeparateDefects, TellsAFaintSpotFromAStrongOneOfItsHueThatItTouches) {
   const FruitSurface surface = Ball();
   const Eigen::Vector3f brown(-0.60f, -0.70f, -0.30f);

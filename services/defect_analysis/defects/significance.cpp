@@ -97,7 +97,7 @@ bool HasSharpStain(const TransitionField& field, double threshold, const DefectO
   const double weight = options.segmentation.lightness_weight, least = options.segmentation.significance_delta_e;
   const double level = options.contour.level, min_area = options.cluster.min_area_mm2;
   const double beyond_light = ContrastBeyondShading(field, weight);
-  if (Contrast(field, weight) < threshold || beyond_light < kSharpTint * least) return false;
+  if (!HasColourOfItsOwn(field, threshold, options)) return false;
   const std::optional<double> width = EdgeWidth(field, level, min_area);
   if (!width || (beyond_light < kTint * least && *width >= kSharpestGloss)) return false;
   return HasSharpRim(field, level, min_area, options.segmentation.local_sigma);
@@ -133,6 +133,12 @@ bool StandsOutFaintly(const TransitionField& field, double threshold, const Defe
 
 bool StandsOutByItsRim(const TransitionField& field, double threshold, const DefectOptions& options) {
   return HasSharpStain(field, threshold, options);
+}
+
+bool HasColourOfItsOwn(const TransitionField& field, double threshold, const DefectOptions& options) {
+  const double weight = options.segmentation.lightness_weight;
+  return Contrast(field, weight) >= threshold &&
+         ContrastBeyondShading(field, weight) >= kSharpTint * options.segmentation.significance_delta_e;
 }
 
 }  // namespace drupe

@@ -29,4 +29,8 @@ bool StandsOutFaintly(const TransitionField& field, double threshold, const Defe
 /// The same for a contrast so low that only a sharp rim all along, of whatever form, tells a stain from uneven skin.
 bool StandsOutByItsRim(const TransitionField& field, double threshold, const DefectOptions& options);
 
+/// Whether a colour differs from the skin's by `threshold` or more, light included, and is one that neither light nor
+/// shade gives the skin. Enough for what has a form of its own, as a crack that touches another defect.
+bool HasColourOfItsOwn(const TransitionField& field, double threshold, const DefectOptions& options);
+
 }  // namespace drupe
