@@ -1,6 +1,5 @@
 #include "reconstruction/dense/smooth_normals.h"
 
-
 namespace drupe::dense {
 
 namespace {
