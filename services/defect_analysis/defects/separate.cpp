@@ -173,12 +173,16 @@ bool AreTwoDefects(const LayerOutlines& a, const LayerOutlines& b) {
 }
 
 // Whether one of two touching defects would stand out alone. One that is nearly as light as gloss is told by its edge,
-// and a faint one by its form: light and shade beside a defect are not long and of another hue.
-bool LayerStandsOut(const ColourLayer& layer, const LayerOutlines& traced, double threshold,
+// and a faint one beside a round one by its form: light and shade there are not long and of another hue, as a part of a
+// scar may be.
+bool LayerStandsOut(const ColourLayer& layer, const LayerOutlines& traced, const LayerOutlines& other, double threshold,
                     const DefectOptions& options) {
-  return ContrastBeyondLight(layer.field, options.segmentation.lightness_weight) >= threshold ||
-         StandsOut(layer.field, threshold, options) ||
-         (traced.IsLong() && HasColourOfItsOwn(layer.field, options.segmentation.faint_share * threshold, options));
+  const SegmentationOptions& segmentation = options.segmentation;
+  if (ContrastBeyondLight(layer.field, segmentation.lightness_weight) >= threshold) return true;
+  if (StandsOut(layer.field, threshold, options)) return true;
+  // The second look's threshold is a faint one's already.
+  const double faint = segmentation.faint_share * std::max(threshold, segmentation.significance_delta_e);
+  return traced.IsLong() && other.IsRound() && HasColourOfItsOwn(layer.field, faint, options);
 }
 
 // Whether a defect of one colour lies mostly within one of the other: then it is a lighter or darker part of it. A
@@ -232,8 +236,8 @@ Outlines SeparateLayers(const TransitionField& field, double threshold, const De
     pieces.resize(1);  // the largest; the others may be highlights on the first
     second = Gather(layers[1], pieces, min_area);
   }
-  if (!AreTwoDefects(first, second) || !LayerStandsOut(layers[0], first, threshold, options) ||
-      !LayerStandsOut(layers[1], second, threshold, options)) {
+  if (!AreTwoDefects(first, second) || !LayerStandsOut(layers[0], first, second, threshold, options) ||
+      !LayerStandsOut(layers[1], second, first, threshold, options)) {
     return result;
   }
   result.fields.reserve(layers.size());  // the outlines point into it

@@ -145,6 +145,25 @@ TEST(SeparateDefects, TellsAFaintCrackFromASpotItTouchesAndLeavesShade) {
   }
 }
 
+// Half as wide as the scar and as faint as the crack above.
+TEST(SeparateDefects, LeavesAScarWithALongStreakOfAnotherHueWhole) {
+  const FruitSurface surface = Ball();
+  const Eigen::Vector3f red(0.947f, -0.528f, -0.278f), streak(-0.388f, -0.36f, -0.17f);
+  const auto along = [](const Eigen::Vector2d& p) { return std::abs(p.x()) < 2.4 ? 1.0f : 0.0f; };
+  const auto strip = [&](const Eigen::Vector2d& p, double middle, double half_width) {
+    return static_cast<float>(std::clamp(0.5 + (half_width - std::abs(p.y() - middle)) / 0.2, 0.0, 1.0)) * along(p);
+  };
+  TransitionField field = FieldOf(
+      surface, [&](const Eigen::Vector2d& p) { return strip(p, 0.6, 0.5); },
+      [&](const Eigen::Vector2d& p) {
+        return Eigen::Vector3f(strip(p, -0.2, 0.3) * streak + (1 - strip(p, -0.2, 0.3)) * strip(p, 0.6, 0.5) * red);
+      });
+  field.healthy_linear = Eigen::Vector3d(0.170, 0.089, 0.036);
+  field.defect_linear = Eigen::Vector3d(0.331, 0.042, 0.026);
+  TakeInside([&](const Eigen::Vector2d& p) { return strip(p, -0.2, 0.3); }, field);
+  EXPECT_EQ(SeparateDefects(field, 9, {}).outlines.size(), 1u);
+}
+
 TEST(SeparateDefects, TellsAFaintSpotFromAStrongOneOfItsHueThatItTouches) {
   const FruitSurface surface = Ball();
   const Eigen::Vector3f brown(-0.60f, -0.70f, -0.30f);
