@@ -60,7 +60,7 @@ class PrepareJobTest : public testing::Test {
     return result;
   }
   Json Prepare() {
-    return Do(PrepareJob(*objects_, *sets_, cache_, limits_),
+    return Do(PrepareJob(ArrivalStores{*objects_, *sets_, cache_, limits_}),
               jobs_->Claim({kPrepareKind}, "test", 60'000).value().value());
   }
 
@@ -103,13 +103,13 @@ TEST_F(PrepareJobTest, PicturesAreMatchedOnceNoneWaitsToBePrepared) {
   for (int i = 0; i < kPictures; ++i) {
     const Job job = next();
     EXPECT_EQ(job.kind, kPrepareKind);
-    Do(PrepareJob(*objects_, *sets_, cache_, limits_), job);
+    Do(PrepareJob(ArrivalStores{*objects_, *sets_, cache_, limits_}), job);
   }
   std::vector<int> pairs;
   for (int i = 0; i < kPictures; ++i) {
     const Job job = next();
     EXPECT_EQ(job.kind, kMatchKind);
-    pairs.push_back(Do(MatchJob(*objects_, *sets_, cache_, limits_), job)["pairs"]);
+    pairs.push_back(Do(MatchJob(ArrivalStores{*objects_, *sets_, cache_, limits_}), job)["pairs"]);
   }
   EXPECT_EQ(pairs[10], 0);  // inside the front
   EXPECT_GE(pairs[11], 3);
